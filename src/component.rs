@@ -1,11 +1,11 @@
-//! What an FMI layer asks of any model, and the kinds of model there are.
+//! The functions that an FMI layer needs from any model, and the list of the kinds of models.
 //!
-//! In: the text of a definition file, values by reference, steps. Out: what describes the model, values, saved states,
-//! or the reason of a refusal. It must not know any law of a model, nor anything of FMI but value references.
+//! In: the text of a definition file, values by reference, steps. Out: description of the model, values, saved states,
+//! or the reason of a refusal. Must not know: laws of a model, and FMI except for value references.
 //!
-//! A further kind of hydraulic model takes one row in [`KINDS`] and `INSPECTORS` and the trait
-//! [`AnyModel`]; any other kind also one variant of [`Component`] and of [`Snapshot`], and one arm in each `match` of
-//! this module. Its model has methods of the same names, whose errors convert to [`Refused`].
+//! Another kind of hydraulic model needs one row in [`KINDS`] and `INSPECTORS`, and the trait [`AnyModel`]. Any other
+//! kind also needs one variant of [`Component`] and of [`Snapshot`], and one arm in each `match` of this module. Its
+//! model has methods of the same names, whose errors convert to [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {
@@ -60,14 +60,14 @@ type Inspector = fn(&str) -> Inspection;
 /// A kind of model.
 #[derive(Debug)]
 pub struct ModelKind {
-    /// Name of its definition file.
+    /// Name of the definition file.
     file: &'static str,
-    /// How a component is made from the definition's text and what was kept of its tables.
+    /// Creates a component from the text of the definition and the stored tables.
     construct: Constructor,
 }
 
 impl ModelKind {
-    /// Name of its definition file.
+    /// Name of the definition file.
     pub fn file(&self) -> &'static str {
         self.file
     }
@@ -96,9 +96,9 @@ pub const HYDRAULIC_SYSTEM: ModelKind = ModelKind {
     file: network::FILE,
     construct: |text, _| Ok(Component::Hydraulic(Box::new(network::Model::from_json(text)?))),
 };
-/// All kinds of models. A library that is given a part of them is without the code of the others.
+/// All kinds of models. A library built for some of them does not contain the code of the others.
 pub const KINDS: [ModelKind; 3] = [MECHANISM, HYDRAULIC_ACTUATOR, HYDRAULIC_SYSTEM];
-/// How the text of each kind is inspected. A table apart, so that a library that inspects nothing is without the code.
+/// Inspector of each kind. The table is separate, so that a library without inspections does not contain their code.
 const INSPECTORS: [Inspector; KINDS.len()] =
     [mechanism::inspection::inspect, hydraulics::inspection::inspect, network::inspection::inspect];
 
@@ -108,8 +108,8 @@ fn no_kind(file: &str) -> Refused {
     Refused(format!("'{file}' is not the name of a definition file; use {files}"))
 }
 
-/// Questions that the model of each kind answers by its method of the same name.
-macro_rules! questions {
+/// Methods that call the method of the same name of the model.
+macro_rules! methods {
     ($($(#[$doc:meta])* fn $name:ident($this:ident: $receiver:ty $(, $argument:ident: $type:ty)*) -> $answer:ty;)*) => {
         $(
             $(#[$doc])*
@@ -127,10 +127,10 @@ impl Component {
         KINDS.map(|kind| kind.file)
     }
 
-    /// The component that the definition file of this name and text describes.
+    /// The component described by the definition file with this name and text.
     ///
     /// # Errors
-    /// No kind of model has such a file; what is wrong with the text.
+    /// No kind of model has a definition file with this name, or the text is faulty.
     pub fn from_definition(file: &str, text: &str) -> Result<Self, Refused> {
         match KINDS.iter().find(|kind| kind.file == file) {
             Some(kind) => (kind.construct)(text, None),
@@ -138,10 +138,10 @@ impl Component {
         }
     }
 
-    /// All that is wrong with the text of the definition file of this name, and facts about the model that it gives.
+    /// All faults in the text of the definition file with this name, and facts about the model.
     ///
     /// # Errors
-    /// No kind of model has such a file.
+    /// No kind of model has a definition file with this name.
     pub fn inspect(file: &str, text: &str) -> Result<Inspection, Refused> {
         match KINDS.iter().zip(INSPECTORS).find(|(kind, _)| kind.file == file) {
             Some((_, inspect)) => Ok(inspect(text)),
@@ -149,8 +149,8 @@ impl Component {
         }
     }
 
-    /// Name of the definition file of the kind of model that a text describes: the one of which it has the most keys
-    /// that no other kind has, even where the text is not quite JSON. None if no key tells.
+    /// Name of the definition file of the kind of model that a text describes. This is the kind for which the text
+    /// contains the most keys that no other kind has. The text may contain errors of JSON. None without a unique kind.
     pub fn kind_of(text: &str) -> Option<&'static str> {
         let keys = outermost_keys(text);
         let tables: [&Table; KINDS.len()] = [
@@ -191,7 +191,7 @@ impl Component {
         each!(self, model => model.description())
     }
 
-    /// What the definition gives reason to warn of, for logs.
+    /// Warnings about the definition, for logs.
     pub fn warnings(&self) -> Vec<Finding> {
         match self {
             Self::Mechanism(model) => model.warnings().to_vec(),
@@ -199,7 +199,7 @@ impl Component {
         }
     }
 
-    /// What was done to the definition so that it gives the model that is meant, for logs.
+    /// Changes that the program made to the definition, for logs.
     pub fn remarks(&self) -> Vec<String> {
         match self {
             Self::Mechanism(model) => model.remarks(),
@@ -217,7 +217,7 @@ impl Component {
         each!(self, model => model.terminals())
     }
 
-    /// Outputs along x and y that make up vectors.
+    /// Vectors that consist of outputs along x and y.
     pub fn vectors(&self) -> Vec<Vector> {
         match self {
             Self::Mechanism(model) => model.vectors(),
@@ -225,8 +225,8 @@ impl Component {
         }
     }
 
-    /// Of a Boolean output that tells whether the mechanism is at a stop: the outputs that tell the number of impacts
-    /// on this stop and the time of the last one [s]. None for any other variable.
+    /// Outputs of a stop: number of impacts and time of the last impact [s]. `flag` is the Boolean output that is true
+    /// at the stop. None for any other variable.
     pub fn impacts_of(&self, flag: Reference) -> Option<[Reference; 2]> {
         match self {
             Self::Mechanism(model) => model.impacts_of(flag),
@@ -234,8 +234,9 @@ impl Component {
         }
     }
 
-    /// The time of the first impact on the stop with this flag as a function of these inputs, where the energy integral
-    /// gives it: see [`mechanism::Model::travel_time`]. None for a model without stops.
+    /// The time of the first impact on the stop with this flag, as a function of these inputs: see
+    /// [`mechanism::Model::travel_time`]. None if the energy integral does not determine the time, and for a model
+    /// without stops.
     pub fn travel_time(&self, flag: Reference, inputs: &[Reference], samples: &[f64]) -> Option<mechanism::TravelTime> {
         match self {
             Self::Mechanism(model) => model.travel_time(flag, inputs, samples),
@@ -251,7 +252,7 @@ impl Component {
         }
     }
 
-    /// Whether the model has states besides those of a motion: with hydraulics or an integral part of a controller.
+    /// Whether the model has other states than position and speed: with hydraulics or an integral part of a controller.
     pub fn has_more_states(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_hydraulics() || model.state_count() > 2,
@@ -259,7 +260,7 @@ impl Component {
         }
     }
 
-    /// Largest order of the derivatives in time that are taken of inputs; 0: none.
+    /// Largest order of the time derivatives of inputs that can be set. 0: none.
     pub fn input_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::INPUT_ORDER,
@@ -267,7 +268,7 @@ impl Component {
         }
     }
 
-    /// Largest order of the derivatives in time that are told of outputs; 0: none.
+    /// Largest order of the time derivatives of outputs that can be read. 0: none.
     pub fn output_order(&self) -> i32 {
         match self {
             Self::Mechanism(_) => mechanism::OUTPUT_ORDER,
@@ -275,7 +276,7 @@ impl Component {
         }
     }
 
-    /// What a host can read and set.
+    /// The variables that a host can read and set.
     #[inline]
     pub fn interface(&self) -> &Interface {
         match self {
@@ -284,69 +285,69 @@ impl Component {
         }
     }
 
-    /// Hashes of the interface, and of what no parameter, input or text of the definition changes. A snapshot is for
-    /// components of the same identity.
+    /// Two hashes: of the interface, and of the definition without parameter values, inputs and texts. A snapshot can
+    /// be restored in components with the same identity.
     #[inline]
     pub fn identity(&self) -> [u64; 2] {
         each!(self, model => model.identity())
     }
 
-    questions! {
+    methods! {
         /// For each variable, if it is an output: the inputs and parameters on which its initial value depends,
-        /// ascending. Refused: a parameter that may not change a little.
+        /// ascending. Error: a parameter for which no small change is possible.
         fn initial_dependencies(self: &Self) -> Option<Vec<Vec<Reference>>>;
 
-        /// Present value of a Real; NaN for an output that has no value in this state, of which [`Self::undefined`]
-        /// tells why. Refused: no such Real, or the present parameters give no start.
+        /// Present value of a Real. NaN for an output that has no value in this state; [`Self::undefined`] returns the
+        /// reason. Errors: not a Real, or the present parameters allow no start.
         fn real(self: &mut Self, reference: Reference) -> f64;
-        /// Present value of a Boolean. Refused: no such Boolean, or the present parameters give no start.
+        /// Present value of a Boolean. Errors: not a Boolean, or the present parameters allow no start.
         fn boolean(self: &mut Self, reference: Reference) -> bool;
-        /// Present item of an Enumeration, by its index from 0 on. Refused: no such Enumeration, or the present
-        /// parameters give no start.
+        /// Index of the present item of an Enumeration, from 0 on. Errors: not an Enumeration, or the present
+        /// parameters allow no start.
         fn item(self: &mut Self, reference: Reference) -> usize;
 
-        /// Whether [`Self::set_real`] would accept this value; changes nothing.
+        /// Returns the error that [`Self::set_real`] would return for this value.
         fn check_real(self: &Self, reference: Reference, value: f64) -> ();
-        /// Set a Real input or parameter. After a step, a parameter takes effect with the next initialisation only.
-        /// Refused: no such Real, an output, a value out of range.
+        /// Sets a Real input or parameter. After a step, a parameter takes effect only at the next initialisation.
+        /// Errors: not a Real, an output, or a value out of range.
         fn set_real(self: &mut Self, reference: Reference, value: f64) -> ();
-        /// [`Self::set_real`] of one of several values that [`Self::check_together`] has accepted.
+        /// [`Self::set_real`] for one of several values that [`Self::check_together`] has accepted.
         fn take_real(self: &mut Self, reference: Reference, value: f64) -> ();
-        /// Whether several Reals, each of which [`Self::check_real`] accepts, may be set together; changes nothing.
-        /// Refused: a calculated parameter would be out of range.
+        /// Returns an error if several Reals cannot be set together. Precondition: [`Self::check_real`] accepts each of
+        /// them. Error: a calculated parameter would be out of range.
         fn check_together(self: &Self, references: &[Reference], values: &[f64]) -> ();
-        /// Whether [`Self::set_boolean`] would accept this value; changes nothing.
+        /// Returns the error that [`Self::set_boolean`] would return for this value.
         fn check_boolean(self: &Self, reference: Reference, value: bool) -> ();
-        /// Set a Boolean, as [`Self::set_real`] does.
+        /// Sets a Boolean, like [`Self::set_real`].
         fn set_boolean(self: &mut Self, reference: Reference, value: bool) -> ();
-        /// Whether [`Self::set_text`] would accept this value; changes nothing.
+        /// Returns the error that [`Self::set_text`] would return for this value.
         fn check_text(self: &Self, reference: Reference, value: &str) -> ();
-        /// Set an Enumeration by the name of an item, as [`Self::set_real`] does. Refused also: none of the names.
+        /// Sets an Enumeration by the name of an item, like [`Self::set_real`]. Further error: no item has this name.
         fn set_text(self: &mut Self, reference: Reference, value: &str) -> ();
-        /// Give tunable parameters new values between two steps; each is one that [`Self::check_real`] accepts, all
-        /// that [`Self::check_together`] accepts, and other variables are passed over. Refused: the values give no law.
+        /// Sets tunable parameters between two steps and ignores other variables. Precondition: [`Self::check_real`]
+        /// accepts each value, [`Self::check_together`] accepts all. Error: no law exists for the values.
         fn tune(self: &mut Self, references: &[Reference], values: &[f64]) -> ();
 
-        /// Time derivative of this order of a continuous output; NaN where there is none in this state. Refused: no
-        /// such output, or the order is too high.
+        /// Time derivative of this order of a continuous output. NaN if it does not exist in this state. Errors: not a
+        /// continuous output, or the order is too high.
         fn output_derivative(self: &mut Self, reference: Reference, order: i32) -> f64;
-        /// Whether [`Self::set_input_derivative`] would accept this value; changes nothing.
+        /// Returns the error that [`Self::set_input_derivative`] would return for this value.
         fn check_input_derivative(self: &Self, reference: Reference, order: i32, value: f64) -> ();
-        /// Set the derivative of a continuous input at the beginning of the next step, for that step. Refused: no such
-        /// input, the order is too high, or the value is not finite.
+        /// Sets the derivative of a continuous input at the start of the next step, valid for that step. Errors: not a
+        /// continuous input, the order is too high, or the value is not finite.
         fn set_input_derivative(self: &mut Self, reference: Reference, order: i32, value: f64) -> ();
 
-        /// Override the relative tolerance of the integration. Refused: out of range.
+        /// Overrides the relative tolerance of the integration. Error: out of range.
         fn set_tolerance(self: &mut Self, tolerance: f64) -> ();
-        /// Take the start state under the present parameters and inputs. Refused: the parameters give no model, or the
-        /// start cannot be reached.
+        /// Computes the start state for the present parameters and inputs. Errors: the parameters allow no model, or
+        /// the start position cannot be reached.
         fn initialize(self: &mut Self) -> ();
     }
 
-    /// Present values of several Reals in their order, each as [`Self::real`].
+    /// Passes the present values of several Reals to `give`, in their order. Each value is that of [`Self::real`].
     ///
     /// # Errors
-    /// As [`Self::real`]; the values before are given.
+    /// As [`Self::real`]. The values before the error have been passed.
     #[inline]
     pub fn reals(&mut self, references: &[Reference], mut give: impl FnMut(f64)) -> Result<(), Refused> {
         if let Self::Mechanism(model) = self {
@@ -361,13 +362,13 @@ impl Component {
         matches!(self, Self::Mechanism(model) if model.has_read(references))
     }
 
-    /// What the steps and values since the last call give reason to warn of; None mostly.
+    /// Warning about the steps and values since the last call. Usually None.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
         each!(self, model => model.take_warning())
     }
 
-    /// What the state after initialisation gives reason to warn of under the present inputs; None mostly.
+    /// Warning about the state after initialisation with the present inputs. Usually None.
     #[cold]
     pub fn start_warning(&mut self) -> Option<String> {
         match self {
@@ -376,25 +377,25 @@ impl Component {
         }
     }
 
-    /// Why a Real output has no value in the present state; None if it has one.
+    /// Reason why a Real output has no value in the present state. None if it has one.
     #[cold]
     pub fn undefined(&mut self, reference: Reference) -> Option<String> {
         each!(self, model => model.undefined(reference))
     }
 
-    /// Why a Real output has no derivative in the direction of the last [`Self::directional_derivative`] or
-    /// [`Self::output_derivative`]; None if it has one.
+    /// Reason why a Real output has no derivative in the direction of the last [`Self::directional_derivative`] or
+    /// [`Self::output_derivative`]. None if it has one.
     #[cold]
     pub fn undefined_derivative(&mut self, reference: Reference) -> Option<String> {
         each!(self, model => model.undefined_derivative(reference))
     }
 
-    /// Back to the parameters and inputs of the definition, not initialised.
+    /// Resets parameters and inputs to the definition. The component is then not initialised.
     pub fn reset(&mut self) {
         each!(self, model => model.reset());
     }
 
-    /// What the integration has cost since initialisation, for the log.
+    /// Work of the integration since initialisation, for the log.
     pub fn cost(&self) -> String {
         let cost = each!(self, model => model.statistics());
         let methods = Method::ALL.map(|method| format!("{} by {}", cost.accepted_by(method), method.name()));
@@ -413,7 +414,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_kind_has_a_definition_file_of_its_own() {
+    fn each_kind_has_a_separate_definition_file() {
         let gear = Component::from_definition("mechanism.json", mechanism::GEAR).unwrap();
         assert_eq!(gear.definition_file(), "mechanism.json");
         assert!(Component::from_definition("mechanism.json", "{}").is_err());

@@ -1,13 +1,13 @@
 //! Results of an inspection of a definition: facts about the model and findings, as plain data.
 //!
-//! In: nothing. Out: the types of facts and findings, with their lines of text. It must not know kinds of model.
+//! In: nothing. Out: the types of facts and findings, with their lines of text. Must not know: kinds of model.
 use crate::format::{DefinitionError, on_one_line};
 use crate::variables::Unit;
 use serde::Serialize;
 use std::fmt;
 use std::ops::Range;
 
-/// All that an inspection of a definition has found.
+/// Results of the inspection of a definition.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Inspection {
     /// Name of the model; empty if the definition could not be read.
@@ -24,9 +24,9 @@ pub struct Inspection {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Severity {
-    /// The definition gives no model.
+    /// The definition describes no valid model.
     Error,
-    /// The model runs, but is probably not the one that is meant.
+    /// The model runs, but probably differs from the intended model.
     Warning,
 }
 
@@ -37,23 +37,23 @@ pub struct Finding {
     pub severity: Severity,
     /// Path of the key in the definition, such as `bodies.crank.length`; empty for the whole file.
     pub path: String,
-    /// What is wrong, with the value and the limit; of an error with the path and the remedy too.
+    /// The fault, with the value and the limit. The message of an error also contains the path and the remedy.
     pub message: String,
-    /// What to do; empty where the message says it.
+    /// The remedy. Empty if the message contains it.
     pub remedy: String,
-    /// Range of bytes in the text, of a fault that was found while the text was read.
+    /// Range of bytes in the text, if the fault was found when the text was read.
     #[serde(skip)]
     pub bytes: Option<Range<usize>>,
 }
 
 impl Finding {
-    /// An error whose text is complete.
+    /// An error with a complete message.
     pub fn error(path: impl fmt::Display, message: impl fmt::Display) -> Self {
         let (path, message) = (path.to_string(), on_one_line(&message.to_string()));
         Self { severity: Severity::Error, path, message, remedy: String::new(), bytes: None }
     }
 
-    /// The error of a fault of a definition, which belongs to this path.
+    /// The error for a fault of a definition, at this path.
     pub fn fault(path: &str, fault: &DefinitionError) -> Self {
         let bytes = fault.place().map(|place| place.bytes.clone());
         Self { bytes, ..Self::error(path, fault.message()) }
@@ -64,7 +64,7 @@ impl Finding {
         Self::of_warning(&path, message.as_ref(), remedy.as_ref())
     }
 
-    // One copy of the code for all types of texts.
+    // The code exists once for all types of texts.
     #[cold]
     #[inline(never)]
     fn of_warning(path: &dyn fmt::Display, message: &str, remedy: &str) -> Self {
@@ -87,13 +87,13 @@ impl fmt::Display for Finding {
 /// A fact about a part of the model.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Fact {
-    /// Topic, under which facts are printed together.
+    /// Topic, which groups facts in a printed list.
     pub topic: &'static str,
-    /// Name of the coordinate, drive, joint or the like; empty for the whole model.
+    /// Name of the part, such as a coordinate, a drive or a joint. Empty for the whole model.
     pub of: String,
     /// Numbers with their names and units.
     pub quantities: Vec<Quantity>,
-    /// What the numbers do not say; may be empty.
+    /// Additional text; may be empty.
     pub text: String,
 }
 
@@ -102,25 +102,25 @@ pub struct Fact {
 pub struct Quantity {
     /// Name, such as `guess`.
     pub name: &'static str,
-    /// Value; not finite where the quantity is unbounded.
+    /// Value. Not finite if the quantity is unbounded.
     pub value: f64,
     /// Unit as in `modelDescription.xml`, such as `rad`.
     pub unit: &'static str,
 }
 
 impl Fact {
-    /// A fact of a topic about a part.
+    /// A fact about the part `of` of the model.
     pub fn new(topic: &'static str, of: impl Into<String>) -> Self {
         Self { topic, of: of.into(), quantities: Vec::new(), text: String::new() }
     }
 
-    /// The fact with one more number.
+    /// Adds a number to the fact.
     pub fn with(mut self, name: &'static str, value: f64, unit: Unit) -> Self {
         self.quantities.push(Quantity { name, value, unit: unit.name() });
         self
     }
 
-    /// The fact with this text.
+    /// Sets the text of the fact.
     pub fn saying(mut self, text: impl Into<String>) -> Self {
         self.text = text.into();
         self

@@ -1,7 +1,7 @@
 //! Simulation of a model from Rust: variables by name, steps, and runs that return a trace.
 //!
-//! In: the text of a definition, names and values, steps. Out: values by name, traces. It must not know the inside of
-//! any kind of model, nor FMI.
+//! In: the text of a definition, names and values, steps. Out: values by name, traces. Must not know: the inside of any
+//! kind of model, FMI.
 //!
 //! ```no_run
 //! use linkage_fmu::simulation::Simulation;
@@ -21,7 +21,7 @@ use crate::variables::{Causality, Kind, Reference, Variability};
 pub use ensemble::{Ensemble, Runs};
 use std::fmt;
 
-/// Most steps of a run.
+/// Largest number of steps in a run.
 const MOST_STEPS: f64 = 1e9;
 
 /// A model with its time, read and set by the names of its variables.
@@ -33,20 +33,20 @@ pub struct Simulation {
     is_initialized: bool,
 }
 
-/// Error of a call. The simulation is unchanged; a run has stopped after its last complete step, or where a step
-/// reached `solver.max_steps`.
+/// Error of a call. The simulation is unchanged. Exception: a run has stopped after its last complete step, or at the
+/// time at which a step reached `solver.max_steps`.
 #[derive(Clone, Debug, PartialEq)]
 #[expect(missing_docs, reason = "the sentence of a variant names its fields")]
 pub enum SimulationError {
-    /// No variable has this name; names spelled most alike, the nearest first.
+    /// No variable has this name. `nearest`: the most similar names, the most similar first.
     Name { name: String, nearest: Vec<String> },
     /// The span or the longest step of a run [s] is not finite or not > 0, or the steps are too many.
     Span { span: f64, step: f64 },
-    /// So many start values of many runs do not form rows with a value for each input.
+    /// The number of start values is not a multiple of the number of inputs.
     Rows { values: usize, inputs: usize },
     /// The model returned an error.
     Model(ModelError),
-    /// The model refused a value.
+    /// The model rejected a value.
     Refused(String),
 }
 
@@ -85,15 +85,15 @@ impl From<ModelError> for SimulationError {
     }
 }
 
-/// A value that [`Simulation::set`] accepts: a number, a truth value or a text.
+/// A value for [`Simulation::set`]: a number, a truth value or a text.
 pub trait Settable {
-    /// Set the variable with this reference.
+    /// Sets the variable with this reference.
     ///
     /// # Errors
     /// The variable is of another kind or an output, or the value is out of range.
     fn set(self, model: &mut Model, reference: Reference) -> Result<(), ModelError>;
 
-    /// The number, if it is one.
+    /// The number, if the value is a number.
     fn number(&self) -> Option<f64> {
         None
     }
@@ -125,17 +125,17 @@ impl Simulation {
     /// A model from the text of its definition.
     ///
     /// # Errors
-    /// What is wrong with the definition, or why it gives no model.
+    /// The fault of the definition, or the reason why no model exists for it.
     pub fn open(definition: &str) -> Result<Self, SimulationError> {
         Ok(Self::from_model(Model::from_json(definition)?))
     }
 
-    /// A simulation of this model; its time counts from 0 s.
+    /// A simulation of this model, which starts at 0 s.
     pub fn from_model(model: Model) -> Self {
         Self { model, time: 0.0, is_initialized: false }
     }
 
-    /// The model, for functions that this type does not have.
+    /// The model, for functions without a method here.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -166,17 +166,17 @@ impl Simulation {
         })
     }
 
-    /// Present value of a Real; NaN for an output that does not exist in the present state, for which
-    /// [`Self::undefined`] returns the reason.
+    /// Present value of a Real. NaN for an output that does not exist in the present state; [`Self::undefined`] returns
+    /// the reason.
     ///
     /// # Errors
-    /// No Real has this name, or the present parameters give no start.
+    /// No Real has this name, or the present parameters allow no start.
     pub fn get(&mut self, name: &str) -> Result<f64, SimulationError> {
         let reference = self.reference(name)?;
         Ok(self.model.real(reference)?)
     }
 
-    /// Reason why a Real output has no value in the present state; None if it has one.
+    /// Reason why a Real output has no value in the present state. None if it has one.
     ///
     /// # Errors
     /// No variable has this name.
@@ -188,7 +188,7 @@ impl Simulation {
     /// Present value of a Boolean.
     ///
     /// # Errors
-    /// No Boolean has this name, or the present parameters give no start.
+    /// No Boolean has this name, or the present parameters allow no start.
     pub fn boolean(&mut self, name: &str) -> Result<bool, SimulationError> {
         let reference = self.reference(name)?;
         Ok(self.model.boolean(reference)?)
@@ -197,15 +197,15 @@ impl Simulation {
     /// Name of the present item of an Enumeration.
     ///
     /// # Errors
-    /// No Enumeration has this name, or the present parameters give no start.
+    /// No Enumeration has this name, or the present parameters allow no start.
     pub fn text(&mut self, name: &str) -> Result<&'static str, SimulationError> {
         let reference = self.reference(name)?;
         let item = self.model.item(reference)?;
         Ok(self.model.variables().get(reference).map_or("", |variable| variable.details.items[item]))
     }
 
-    /// The time of the first impact on the stop with this flag as a function of inputs that size loads, for very many
-    /// runs from the present start: [`Model::travel_time`].
+    /// The time of the first impact on the stop with this flag, as a function of inputs that are sizes of loads. For
+    /// many runs from the present start: see [`Model::travel_time`].
     ///
     /// # Errors
     /// No variable has one of these names.
@@ -219,8 +219,9 @@ impl Simulation {
         Ok(self.model.travel_time(self.reference(flag)?, &references, samples))
     }
 
-    /// Set an input or a parameter. Within a run, a tunable parameter acts from now on. Any other parameter ends
-    /// the run: outputs then have their values at the start, and the next step needs [`Self::initialize`].
+    /// Sets an input or a parameter. During a run, a new value of a tunable parameter takes effect at once. Any other
+    /// parameter ends the run: outputs then have their values at the start, and the next step needs
+    /// [`Self::initialize`].
     ///
     /// # Errors
     /// No variable has this name, it is of another kind or an output, or the value is out of range.
@@ -240,7 +241,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Set a time derivative of a Real input, for the next step only: order 1 [unit/s] or 2 [unit/s2].
+    /// Sets a time derivative of a Real input, for the next step only: order 1 [unit/s] or 2 [unit/s2].
     ///
     /// # Errors
     /// No continuous input has this name, the order is not 1 or 2, or the value is not finite.
@@ -249,7 +250,7 @@ impl Simulation {
         Ok(self.model.set_input_derivative(reference, order, value)?)
     }
 
-    /// Rate of a Real output in time [unit/s]; NaN where it has none in the present state.
+    /// Time derivative of a Real output [unit/s]. NaN if it does not exist in the present state.
     ///
     /// # Errors
     /// No continuous output has this name.
@@ -258,21 +259,21 @@ impl Simulation {
         Ok(self.model.output_derivative(reference, 1)?)
     }
 
-    /// Put the model at its start under the present parameters and inputs, at time 0 s.
+    /// Computes the start of the model for the present parameters and inputs, at time 0 s.
     ///
     /// # Errors
-    /// The present parameters give no model, or the start cannot be reached.
+    /// The present parameters allow no model, or the start position cannot be reached.
     pub fn initialize(&mut self) -> Result<(), SimulationError> {
         self.model.initialize()?;
         (self.time, self.is_initialized) = (0.0, true);
         Ok(())
     }
 
-    /// Advance by `h` [s] > 0 under the present inputs.
+    /// Advances by `h` [s] > 0 with the present inputs.
     ///
     /// # Errors
-    /// The model is not initialised, `h` is out of range, or the model cannot continue; the state is then unchanged.
-    /// [`ModelError::Interrupted`]: the step reached `solver.max_steps`; the next step continues from the reached state
+    /// The model is not initialised, `h` is out of range, or the model cannot continue. The state is then unchanged.
+    /// [`ModelError::Interrupted`]: the step reached `solver.max_steps`. The next step continues from the reached state
     /// and [`Self::time`].
     pub fn step(&mut self, h: f64) -> Result<(), SimulationError> {
         if !self.is_initialized {
@@ -290,8 +291,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Advance by `span` [s] in equal steps of at most `step` [s]; record the named Reals and Booleans (1 for true) now
-    /// and after every step. A Real is NaN where it does not exist.
+    /// Advances by `span` [s] in equal steps of at most `step` [s]. Records the named variables at the start and after
+    /// every step. A Boolean is 1 for true, an Enumeration the number of its item. A Real is NaN if it does not exist.
     ///
     /// # Errors
     /// As [`Self::step`] and [`Self::get`]; a span or a step that is not finite or not > 0, or more than 1e9 steps.
@@ -301,7 +302,7 @@ impl Simulation {
         }
         let references = names.iter().map(|name| self.reference(name)).collect::<Result<Vec<_>, _>>()?;
         let names = names.iter().map(|name| (*name).to_owned()).collect();
-        // A span that is a multiple of the step but for rounding takes no step more.
+        // If `span` is a multiple of `step` except for rounding errors, no additional step is made.
         let count = ((span / step) * (1.0 - 1e-12)).ceil().max(1.0);
         let (start, h) = (self.time, span / count);
         let mut trace = Trace { names, times: Vec::new(), columns: vec![Vec::new(); references.len()] };
@@ -327,7 +328,7 @@ impl Simulation {
     }
 }
 
-/// Values of some variables over a run.
+/// Recorded values of variables over a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trace {
     names: Vec<String>,
@@ -346,7 +347,7 @@ impl Trace {
         &self.times
     }
 
-    /// Values of the variable with this name, if it was recorded; one for each time.
+    /// Values of the variable with this name, one for each time. None if the variable was not recorded.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         let index = self.names.iter().position(|own| own == name)?;
         Some(&self.columns[index])
@@ -400,7 +401,7 @@ mod tests {
             assert_eq!(steps.get("crank.angle"), Ok(*angle));
         }
         assert_eq!((whole.time(), steps.model().statistics()), (0.1, whole.model().statistics()));
-        // On from there, in steps no longer than asked for.
+        // A second run continues from the end of the first, in steps of at most the given size.
         let trace = whole.run(0.01, 0.004, &[]).unwrap();
         assert_eq!((trace.times().len(), trace.times()[3]), (4, 0.11));
     }
@@ -434,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_run_is_refused() {
+    fn invalid_runs_are_rejected() {
         let mut gear = gear();
         gear.initialize().unwrap();
         for (span, step) in [(0.0, 1e-3), (0.1, f64::NAN), (f64::INFINITY, 1e-3), (0.1, -1.0)] {

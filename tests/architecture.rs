@@ -1,14 +1,15 @@
-//! The table of modules in ARCHITECTURE.md against the imports in `src`.
+//! The imports in `src` agree with the table of modules in ARCHITECTURE.md.
 //!
-//! A module imports only from rows above its own, and nothing that its row forbids: no layer imports upwards, and there
-//! are no circles between modules. Paths are resolved with `crate::`, `super::` and brackets; tests are left out.
+//! A module imports only from rows above its own, and nothing that its row forbids. So no layer imports upwards, and
+//! there are no circles between modules. The test resolves paths with `crate::`, `super::` and brackets. Tests in the
+//! sources are excluded.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A row of the table: path of the module such as `mechanism::curve`, and the modules that it must not know.
+/// A row of the table: path of the module, such as `mechanism::curve`, and the modules that it must not know.
 struct Row {
     module: String,
     forbidden: Vec<String>,
@@ -18,7 +19,7 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Text in backticks.
+/// Texts in backticks.
 fn quoted(text: &str) -> impl Iterator<Item = &str> {
     text.split('`').skip(1).step_by(2)
 }
@@ -52,7 +53,7 @@ fn files(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// Code of a file: without comments, and up to its tests. Crates in `src` name the engine's modules by the same paths.
+/// Code of a file without comments and tests. Crates in `src` use the same paths for the modules of the engine.
 fn code(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
     let own = text.split("\nmod tests").next().unwrap();
@@ -60,7 +61,7 @@ fn code(file: &Path) -> String {
     lines.join("\n").replace("linkage_fmu::", "crate::")
 }
 
-/// Paths that a tree such as `a::{b, c::{d, e}}` names.
+/// Paths of a tree of imports such as `a::{b, c::{d, e}}`.
 fn expand(prefix: &str, tree: &str, out: &mut BTreeSet<String>) {
     let tree = tree.trim();
     let Some((head, rest)) = tree.split_once('{') else {
@@ -84,7 +85,7 @@ fn expand(prefix: &str, tree: &str, out: &mut BTreeSet<String>) {
     }
 }
 
-/// Absolute paths that the code of a module names.
+/// Absolute paths that the code of a module imports.
 fn imports(module: &str, code: &str) -> BTreeSet<String> {
     let mut out = BTreeSet::new();
     for start in ["crate::", "super::"] {
@@ -126,7 +127,7 @@ fn no_module_imports_upwards() {
         let shown = file.strip_prefix(root()).unwrap().display().to_string();
         let module = module_of(shown.trim_end_matches("/mod.rs"));
         let Some(own) = row_of(&module) else {
-            // Only modules of modules stand in no row: they declare, and hold nothing that imports.
+            // A file that only declares modules has no row: it imports nothing.
             assert!(shown.ends_with("/mod.rs") || shown == "src/lib.rs", "{shown}: no row of ARCHITECTURE.md has it");
             continue;
         };
@@ -152,7 +153,7 @@ fn trees_of_imports_are_expanded() {
     assert_eq!(all, ["a::B", "a::c::E", "a::c::d", "i::j", "x::f::G"]);
 }
 
-/// Lines of Rust have at most 120 columns: rustfmt leaves comments, texts and macros as they are.
+/// Lines of Rust code have at most 120 columns. rustfmt does not wrap comments, texts and macros.
 #[test]
 fn lines_have_at_most_120_columns() {
     let mut found = Vec::new();

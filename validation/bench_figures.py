@@ -18,9 +18,9 @@ from report.page import Figure
 Row = dict[str, str]
 
 BLACK, BLUE, ORANGE, GREEN, PURPLE = "#000000", "#0072B2", "#D55E00", "#009E73", "#CC79A7"
-"""Okabe and Ito's colours, told apart by the colour-blind; markers tell the curves apart too."""
+"""Okabe and Ito's colours, distinguishable with colour vision deficiency; the curves also differ by their markers."""
 ROUNDING = 1e-15
-"""Errors below are drawn here [rad]."""
+"""Errors below this are drawn at it [rad]."""
 SCENES = {
     "bare": "bare, no stops",
     "default": "default: rigid stops",
@@ -32,12 +32,12 @@ SCENES = {
     "friction": "friction",
     "all": "all of these",
 }
-"""Bars from the top, and their names."""
+"""Bars from the top down, with their labels."""
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One mechanism in a panel."""
+    """Data of one mechanism in a panel."""
 
     scene: str
     label: str
@@ -61,17 +61,17 @@ def read(folder: Path, name: str) -> list[Row]:
 
 
 def pick(rows: Iterable[Row], **wanted: str) -> list[Row]:
-    """Those rows in which these columns have these values."""
+    """The rows that have these values in these columns."""
     return [row for row in rows if all(row[column] == value for column, value in wanted.items())]
 
 
 def column(rows: Iterable[Row], name: str) -> list[float]:
-    """Numbers of one column."""
+    """The numbers of one column."""
     return [float(row[name]) for row in rows]
 
 
 def decades(axes: Axes) -> None:
-    """A label every three decades of the error and every decade of the time."""
+    """Labels every three decades of the error and every decade of the time."""
     axes.xaxis.set_major_locator(FixedLocator([1e-15, 1e-12, 1e-9, 1e-6, 1e-3]))
     axes.yaxis.set_major_locator(LogLocator(numticks=20))
     axes.xaxis.set_minor_locator(LogLocator(numticks=20))
@@ -79,7 +79,7 @@ def decades(axes: Axes) -> None:
 
 
 def work_precision(rows: list[Row], canvas: Canvas) -> None:
-    """Run time against error, in one doStep and in many."""
+    """Run time over error, for one doStep and for many."""
     panels = canvas.subplots(1, 2, sharey=True)
     for axes, one in zip(panels, (True, False), strict=True):
         for curve in MECHANISMS:
@@ -99,7 +99,7 @@ def work_precision(rows: list[Row], canvas: Canvas) -> None:
 
 
 def by_scene(rows: list[Row], canvas: Canvas) -> None:
-    """Bars: a retraction by scene."""
+    """Bars: the run time of a retraction for each scene."""
     axes = canvas.subplots()
     height = 0.38
     for shift, steps, colour, label in ((-0.5, "1", BLUE, "one doStep of 0.13 s"), (0.5, "130", ORANGE, "130 of 1 ms")):
@@ -120,7 +120,7 @@ def by_scene(rows: list[Row], canvas: Canvas) -> None:
 
 
 def by_step(rows: list[Row], canvas: Canvas) -> None:
-    """Cost of a doStep against its size."""
+    """Run time of a doStep over its communication step."""
     panels = canvas.subplots(1, 2, sharey=True)
     default = pick(rows, scene="default")
     for tolerance, colour, marker in (("1e-6", BLUE, "s"), ("1e-9", BLACK, "o"), ("1e-12", ORANGE, "^")):
@@ -147,7 +147,7 @@ def by_step(rows: list[Row], canvas: Canvas) -> None:
 
 
 def by_bodies(rows: list[Row], canvas: Canvas) -> None:
-    """Set-up and step against the number of bodies."""
+    """Set-up time and run time of a step over the number of bodies."""
     axes = canvas.subplots()
     bodies = column(rows, "bodies")
     axes.plot(bodies, [1e3 * time for time in column(rows, "setup_ms")], color=BLUE, marker="s", label="set-up, once")
@@ -202,11 +202,11 @@ CAPTIONS = {
         " by several schemes in two scenes."
     ),
 }
-"""What the figures show."""
+"""Descriptions of the figures."""
 
 
 def figures(results: Path) -> list[Figure]:
-    """All, drawn from their tables."""
+    """All figures, drawn from their tables."""
     precision = read(results, "retraction") + read(results, "benchmarks")
     return [
         Figure(

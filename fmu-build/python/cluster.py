@@ -36,29 +36,29 @@ from fmpy import extract
 from study_runs import FaultError, Plan, RunError, Runner
 
 WAITING = 4
-"""Tasks of each worker that are under way."""
+"""Number of pending tasks per worker."""
 LASTING = 0.5
-"""Time that a task takes, about [s]: long beside what the scheduler needs for it, short beside a study."""
+"""Approximate time of a task [s]: long compared with the scheduler's work for it, short compared with a study."""
 MOST_CHUNKS = 64
-"""Chunks of a task at most."""
+"""Largest number of chunks of a task."""
 MOST_BYTES = 1 << 20
-"""Values of factors in a task, about at most [B]."""
+"""Approximate largest size of the factor values in a task [B]."""
 FAILURES = 20
-"""Workers that a task may lose before it is given up."""
+"""Number of workers that a task may lose before it is given up."""
 LOGGED = 20
-"""Messages between client, scheduler and workers that are kept for a search for errors."""
+"""Number of messages between client, scheduler and workers that are kept for debugging."""
 FATAL = 2**64 - 1
-"""Number of a chunk that stands for an error."""
+"""Number of the chunk that represents an error."""
 ANSWER = 30
-"""Time in which a scheduler answers [s]."""
+"""Time limit for the answer of a scheduler [s]."""
 Done = queue.Queue[tuple[list[int], Future] | None]
-"""Batches that are made, by the numbers of their chunks; None after the last one."""
+"""Completed batches with the numbers of their chunks. None after the last batch."""
 LOOK = 1.0
-"""Time between two looks at the number of workers and at the wish to stop [s]."""
+"""Time between two checks of the number of workers and of the request to stop [s]."""
 
 
 class Study(WorkerPlugin):
-    """The FMU and the plan on each worker, also on those that come later."""
+    """The FMU and the plan on each worker, also on workers that join later."""
 
     def __init__(self, fmu: bytes, plan: Plan) -> None:
         # Several studies may share a scheduler.
@@ -84,48 +84,48 @@ class Study(WorkerPlugin):
             self.runners.own = Runner(self.folder / "fmu", self.plan)
         return self.runners.own
 
-    def forget_runner(self) -> None:
-        """Another instance for the next run of this thread: this one is lost."""
+    def replace_runner(self) -> None:
+        """Create another instance for the next run of this thread, because this one is lost."""
         del self.runners.own
 
 
 @dataclass
 class Batch:
-    """Chunks that one task makes, so many as take the time that it shall last."""
+    """Chunks of one task. Their number follows from the intended time of a task."""
 
     chunks: list[int] = field(default_factory=list)
     work: list[tuple[int, bytes]] = field(default_factory=list)
-    """Number of runs of each, and values of their factors."""
+    """Number of runs of each chunk, and the values of their factors."""
 
     def add(self, chunk: int, runs: int, data: bytes) -> None:
-        """Take one more."""
+        """Add a chunk."""
         self.chunks.append(chunk)
         self.work.append((runs, data))
 
     def is_full(self, most: int) -> bool:
-        """Whether it has as many chunks as it shall have, or as many bytes."""
+        """Whether the batch has the intended number of chunks, or the largest size."""
         return len(self.chunks) >= most or sum(len(data) for _, data in self.work) >= MOST_BYTES
 
 
 class Pace:
-    """Chunks that a task shall have, by the time that those before took."""
+    """Intended number of chunks of a task, from the measured time of previous tasks."""
 
     chunks = 1
 
     def learn(self, seconds: float, chunks: int) -> None:
-        """So many chunks took this time."""
+        """State that this number of chunks took this time."""
         self.chunks = max(1, min(MOST_CHUNKS, int(LASTING * chunks / max(seconds, 1e-9))))
 
 
 def make_all(name: str, work: list[tuple[int, bytes]]) -> tuple[float, list[bytes]]:
-    """Make the runs of some chunks; the time that it took [s], and the bytes of each."""
+    """Make the runs of some chunks. Returns the time [s] and the bytes of each chunk."""
     began = time.monotonic()
     made = [make(name, runs, data) for runs, data in work]
     return time.monotonic() - began, made
 
 
 def make(name: str, runs: int, data: bytes) -> bytes:
-    """Make the runs of a chunk; its bytes."""
+    """Make the runs of a chunk. Returns its bytes."""
     study = get_worker().plugins[name]
     factors, columns = study.plan["factors"], study.plan["columns"]
     empty = [math.nan] * columns
@@ -137,7 +137,7 @@ def make(name: str, runs: int, data: bytes) -> bytes:
         except RunError as error:
             values, remark, failed = empty, str(error), True
             if isinstance(error, FaultError):
-                study.forget_runner()
+                study.replace_runner()
         numbers.extend(point)
         numbers.extend(values)
         if failed or remark:
@@ -149,13 +149,13 @@ def make(name: str, runs: int, data: bytes) -> bytes:
 
 
 def read(file: BinaryIO, count: int) -> bytes | None:
-    """So many bytes; none at the end of the file."""
+    """Read this number of bytes. None at the end of the file."""
     data = file.read(count)
     return data if len(data) == count else None
 
 
 def submit(client: Client, plugin: Study, room: threading.Semaphore, pace: Pace, done: Done) -> None:
-    """Hand all chunks of the standard input to the cluster; `done` has each batch that is made, and None at the end."""
+    """Submit all chunks of the standard input to the cluster. `done` receives each batch, and None at the end."""
     under_way = 0
     finished = threading.Semaphore(0)
     factors = plugin.plan["factors"]
@@ -189,19 +189,19 @@ def submit(client: Client, plugin: Study, room: threading.Semaphore, pace: Pace,
 
 
 def main() -> None:
-    """Read the arguments, make all chunks."""
+    """Read the arguments and make all chunks."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("fmu", type=Path)
     parser.add_argument("plan", type=Path)
     parser.add_argument("--workers", type=int)
     parser.add_argument("--scheduler")
     arguments = parser.parse_args()
-    # The program that reads the chunks ends this one.
+    # The program that reads the chunks ends this program.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # What anything here prints must not stand among the chunks.
+    # Printed text must not mix with the chunks.
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    # Workers of another machine do not have the module.
+    # Workers on other machines do not have this module.
     cloudpickle.register_pickle_by_value(study_runs)
     # The log of messages would keep the values of all factors.
     config.set({"distributed.scheduler.allowed-failures": FAILURES, "distributed.admin.low-level-log-length": LOGGED})
@@ -214,12 +214,12 @@ def main() -> None:
         if cluster is not None:
             raise
         reason = str(error).partition("\n")[0]
-        told = (
+        message = (
             f"no Dask scheduler answers at {arguments.scheduler} within {ANSWER} s ({reason}); start a scheduler on "
             "that machine with `dask scheduler`, check the address and whether the port is open, or use --workers N "
             "for processes on this machine"
         )
-        tell(out, FATAL, told.encode())
+        write_chunk(out, FATAL, message.encode())
         os._exit(1)
     plugin = Study(arguments.fmu.read_bytes(), json.loads(arguments.plan.read_text(encoding="utf-8")))
     client.register_plugin(plugin)
@@ -228,20 +228,20 @@ def main() -> None:
     room = threading.Semaphore(WAITING * workers)
     threading.Thread(target=submit, args=(client, plugin, room, pace, done), daemon=True).start()
     try:
-        hand_back(client, arguments.plan, (workers, room, pace, done), out)
+        return_chunks(client, arguments.plan, (workers, room, pace, done), out)
     finally:
         client.unregister_worker_plugin(plugin.name)
         client.close()
         if cluster is not None:
             cluster.close()
-    # A thread may still wait for chunks that nobody sends.
+    # A thread may still wait for chunks that no one sends.
     os._exit(0)
 
 
-def hand_back(
+def return_chunks(
     client: Client, plan: Path, under_way: tuple[int, threading.Semaphore, Pace, Done], out: BinaryIO
 ) -> None:
-    """Write the chunks that are made. The program that reads them removes the plan when it wants no more."""
+    """Write the completed chunks. The program that reads them removes the plan to stop this program."""
     workers, room, pace, done = under_way
     looked = time.monotonic()
     while plan.exists():
@@ -263,19 +263,19 @@ def hand_back(
         except Exception as error:
             chunks, made = [FATAL], [f"chunk {chunks[0]}: {error}".encode()]
         for chunk, data in zip(chunks, made, strict=True):
-            tell(out, chunk, data)
+            write_chunk(out, chunk, data)
         future.release()
         room.release()
 
 
-def tell(out: BinaryIO, chunk: int, data: bytes) -> None:
-    """Write what is made of a chunk, or an error."""
+def write_chunk(out: BinaryIO, chunk: int, data: bytes) -> None:
+    """Write the bytes of a chunk, or an error."""
     out.write(struct.pack("<QQ", chunk, len(data)) + data)
     out.flush()
 
 
 def threads_of(client: Client) -> int:
-    """Threads of all workers."""
+    """Number of threads of all workers."""
     return sum(client.nthreads().values())
 
 

@@ -22,23 +22,23 @@ import matplotlib.pyplot as plt
 STEP = 1e-3
 """Communication step [s]."""
 STEPS = 133
-"""Steps of the run: the gear is up within the last one."""
+"""Number of steps of the run. The gear is up within the last step."""
 GEAR_UP = -1.3
 """Angle of the crank at which the gear is up [rad]."""
 PLOT_PARTS = 20
-"""Parts of a step in the plot: joint reactions change within a millisecond as the gear comes up."""
+"""Parts of a step in the plot: joint reactions change within 1 ms when the gear reaches its stop."""
 REPETITIONS = 20
-"""Runs for the timing."""
+"""Number of runs for the timing."""
 
 REFERENCE_TIME = 0.1320598527442597
-"""Time at which the gear is up [s]: 34-digit quadrature of the energy equation."""
+"""Time at which the gear is up [s], by a quadrature of the energy equation with 34 digits."""
 REFERENCE_ANGLES = {
     20: 0.75457503788320041,
     50: 0.50930198670390647,
     100: -0.40913523120016843,
     130: -1.2377117266891367,
 }
-"""Angle of the crank [rad] after so many steps, from the same quadrature."""
+"""Angle of the crank [rad] by number of steps, from the same quadrature."""
 
 COLUMNS = (
     "crank.angle",
@@ -55,7 +55,7 @@ COLUMNS = (
 
 @dataclass
 class Retraction:
-    """One run: time and outputs at every communication point; when the gear was up, and the outputs there."""
+    """One run: time and outputs at every communication point, and time and outputs when the gear was up."""
 
     rows: list[list[float]]
     up: list[float]
@@ -66,7 +66,7 @@ class Retraction:
         return [row[index] for row in self.rows]
 
     def way_up(self) -> Retraction:
-        """The run until the gear is up, with that instant as its last row."""
+        """The run until the gear is up. The last row is this instant."""
         return Retraction([*(row for row in self.rows if row[0] < self.up[0]), self.up], self.up)
 
 
@@ -80,7 +80,7 @@ class Gear(Part):
         self.slave.exitInitializationMode()
 
     def retract(self, parts: int = 1) -> Retraction:
-        """Run with all outputs, each step in so many parts; the part in which the gear comes up is split there.
+        """Run with all outputs, each step in `parts` parts; the part in which the gear comes up is split at that time.
 
         The remaining time to GEAR_UP follows from angle, speed and acceleration. Within one step of it, partial steps
         of nine tenths of that time close in, from the near side only, so a stop at GEAR_UP does no harm.
@@ -111,7 +111,7 @@ class Gear(Part):
         return Retraction(rows, up)
 
     def cost(self) -> float:
-        """Time in fmi2DoStep for all steps of one run [s], FMPy's own share included."""
+        """Time in fmi2DoStep for all steps of one run [s], including FMPy's own time."""
         self.slave.reset()
         self.start()
         total = 0
@@ -133,7 +133,7 @@ def time_to(way: float, speed: float, acceleration: float) -> float:
 
 
 def report(run: Retraction, costs: list[float]) -> str:
-    """The figures, one a line."""
+    """The figures, one per line."""
     angles = run.column("crank.angle")
     time_up = run.up[0]
     travelled = abs(run.up[1] - angles[0])
@@ -154,7 +154,7 @@ def report(run: Retraction, costs: list[float]) -> str:
 
 
 def write_table(run: Retraction, path: Path) -> None:
-    """Write all rows, 17 digits, SI units."""
+    """Write all rows with 17 digits in SI units."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time", *COLUMNS])

@@ -1,5 +1,5 @@
-"""Retract the landing gear by its hydraulic actuator: couple the two packed FMUs through FMPy by several schemes,
-beside the FMU of both as one system; print figures, write a table and a plot.
+"""Retract the landing gear by its hydraulic actuator: couple the two packed FMUs through FMPy by several schemes, and
+compare them with the FMU of both as one system; print errors, write a table and a plot.
 
 usage: demo_hydraulic.py GEAR HYDRAULICS WHOLE [--out DIR]
 """
@@ -22,14 +22,14 @@ import matplotlib.pyplot as plt
 STEP = 1e-3
 """Communication step [s]."""
 TOLERANCE = 1e-12
-"""Relative tolerance of both integrations: their errors stay below those of the coupling."""
+"""Relative tolerance of both integrations. Their errors are smaller than those of the coupling."""
 LONGEST = 4500
-"""Most steps of a run; the gear is up after 4066."""
+"""Largest number of steps of a run. The gear is up after 4066 steps."""
 LOST = 30_000.0
-"""Force beyond which a coupling is lost [N]: more than the cylinder can push."""
+"""Force above which a coupling counts as unstable [N]: more than the largest force of the cylinder."""
 
 REFERENCE_TIME = 4.065842490726519
-"""Time at which the gear is up [s]: Taylor-series integration of gear and hydraulics as one system."""
+"""Time at which the gear is up [s], by a Taylor-series integration of gear and hydraulics as a single system."""
 REFERENCE = {
     50: (0.793138133418578, -1232.161703436),
     100: (0.769550975553854, -1605.896803131),
@@ -42,7 +42,7 @@ REFERENCE = {
     3800: (-1.22821155571711, 5265.166473185),
     4000: (-1.28835660508442, 3674.566628157),
 }
-"""Angle of the crank [rad] and force [N] after so many milliseconds, from the same integration."""
+"""Angle of the crank [rad] and force [N] by time in milliseconds, from the same integration."""
 
 FOLLOW = 2
 """Number of the item `follow` of `coupling.mode`."""
@@ -59,7 +59,7 @@ ELEMENT = tuple(
         "upper_limit",
     )
 )
-"""What the gear tells of itself as one element at the actuator."""
+"""Outputs of the gear as one element at the actuator."""
 OF_GEAR = ("crank.angle", "crank.speed", "actuator.length", "actuator.speed", "energy.kinetic", "energy.potential")
 OF_HYDRAULICS = (
     "actuator.force",
@@ -77,16 +77,18 @@ COLUMNS = (*OF_GEAR, *OF_HYDRAULICS)
 
 @dataclass(frozen=True)
 class Scheme:
-    """How force and motion are exchanged."""
+    """A scheme for the exchange of force and motion."""
 
     title: str
     colour: str
     previews: bool = True
-    """Whether the hydraulics know the gear as one element; else each side holds what the other told before."""
+    """Whether the hydraulics uses the gear's one-element outputs. Otherwise each side holds the previous values of the
+    other side."""
     linear: bool = False
-    """Whether the gear has the line foreseen, by an input derivative; else the mean force, held."""
+    """Whether the gear gets the predicted force as a linear function, by an input derivative. Otherwise it gets the
+    held mean force."""
     two_passes: bool = False
-    """Whether the hydraulics follow the gear's motion of the step; else they keep the motion foreseen."""
+    """Whether the hydraulics repeats the step with the motion of the gear. Otherwise it keeps the predicted motion."""
 
 
 SCHEMES = (
@@ -96,12 +98,12 @@ SCHEMES = (
     Scheme("preview, two passes", "#3a7d44", linear=True, two_passes=True),
 )
 STANDARD = 1
-"""Scheme of the table: it asks of a host what every host can do."""
+"""Scheme of the table: every host can use it."""
 
 
 @dataclass
 class Run:
-    """One run: time and outputs at every communication point until the gear is up, or the coupling is lost."""
+    """One run: time and outputs at every communication point until the gear is up or the coupling is unstable."""
 
     scheme: Scheme
     rows: list[list[float]]
@@ -113,7 +115,7 @@ class Run:
         return [row[index] for row in self.rows]
 
     def interface_energy(self) -> list[float]:
-        """Energy that the coupling made [J]: gain of the gear since the start, less the work of the hydraulics."""
+        """Energy that the coupling added [J]: gain of the gear since the start minus the work of the hydraulics."""
         gear = [kinetic + potential for kinetic, potential in self.pairs("energy.kinetic", "energy.potential")]
         return [own - gear[0] - work for own, work in zip(gear, self.column("energy.piston"), strict=True)]
 
@@ -140,7 +142,7 @@ def hermite(speed: float, end: list[float], way: float, accelerations: list[floa
 
 
 def integrate(path: Path) -> list[tuple[float, float]]:
-    """Angle of the crank [rad] and force [N] of the FMU of both as one system, at all communication points."""
+    """Angle of the crank [rad] and force [N] of the single system, at all communication points."""
     whole = Part(path)
     try:
         whole.choose("downstop.enabled", False)
@@ -169,7 +171,7 @@ class Pair:
         self.hydraulics.close()
 
     def start(self, scheme: Scheme) -> None:
-        """Set up a run: the valve opens to 0.65 within 0.1 s; no down stop, so that nothing precedes the motion."""
+        """Set up a run: the valve opens to 0.65 within 0.1 s. Without the down stop the gear moves at once."""
         for part in (self.gear, self.hydraulics):
             part.slave.reset()
         self.gear.choose("downstop.enabled", False)
@@ -179,19 +181,20 @@ class Pair:
         for part in (self.gear, self.hydraulics):
             part.slave.setupExperiment(tolerance=TOLERANCE, startTime=0.0)
             part.slave.enterInitializationMode()
-        self.tell(scheme)
+        self.pass_motion(scheme)
         for part in (self.gear, self.hydraulics):
             part.slave.exitInitializationMode()
 
-    def tell(self, scheme: Scheme) -> None:
-        """The gear's motion to the hydraulics, and what it is as one element if they foresee."""
+    def pass_motion(self, scheme: Scheme) -> None:
+        """Pass the motion of the gear to the hydraulics, and its one-element outputs if the hydraulics predicts the
+        motion."""
         names = ("actuator.length", "actuator.speed", *(ELEMENT if scheme.previews else ()))
         self.hydraulics.write(dict(zip(names, self.gear.read(*names), strict=True)))
 
     def step(self, scheme: Scheme, now: float) -> None:
         """One communication step."""
         gear, hydraulics = self.gear, self.hydraulics
-        self.tell(scheme)
+        self.pass_motion(scheme)
         length, speed = gear.read("actuator.length", "actuator.speed")
         if not scheme.previews:
             gear.write({"actuator.force": hydraulics.read("actuator.force")[0]})
@@ -210,13 +213,13 @@ class Pair:
         hydraulics.slave.doStep(now, STEP)
 
     def outputs(self) -> list[float]:
-        """Outputs at a communication point; the force is that under the gear's present speed."""
+        """Outputs at a communication point. The force is that under the present speed of the gear."""
         length, speed = self.gear.read("actuator.length", "actuator.speed")
         self.hydraulics.write({"actuator.length": length, "actuator.speed": speed})
         return [*self.gear.read(*OF_GEAR), *self.hydraulics.read(*OF_HYDRAULICS)]
 
     def retract(self, scheme: Scheme) -> Run:
-        """Run until the gear is up, or the coupling is lost."""
+        """Run until the gear is up or the coupling is unstable."""
         self.start(scheme)
         run = Run(scheme, [[0.0, *self.outputs()]], None)
         for i in range(LONGEST):
@@ -264,7 +267,7 @@ def report(runs: list[Run], whole: list[tuple[float, float]]) -> str:
 
 
 def write_table(run: Run, path: Path) -> None:
-    """Write all rows, 17 digits, SI units, with the energy at the interface."""
+    """Write all rows with 17 digits in SI units, with the energy at the interface."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(["time", *COLUMNS, "interface_energy"])

@@ -33,11 +33,11 @@ STEP = 2e-3
 END = 38.0
 """End of the run [s]."""
 FRAME = 0.25
-"""Time from one picture of the film to the next [s]."""
+"""Time between two pictures of the film [s]."""
 FRAMES_PER_SECOND = 12
-"""Pictures of the film in a second."""
+"""Pictures of the film per second."""
 PUMP_PRESSURE = 10e6
-"""Pressure of the hand pump while the pilot works it [Pa]."""
+"""Pressure of the hand pump while the pilot operates it [Pa]."""
 LEVERS: tuple[tuple[float, str, dict[str, float]], ...] = (
     (0.0, "", {"selector.command": 0.0}),
     (0.5, "selector up", {"selector.command": -1.0}),
@@ -55,7 +55,7 @@ LEVERS: tuple[tuple[float, str, dict[str, float]], ...] = (
         },
     ),
 )
-"""What the pilot does: time [s], words, inputs of the hydraulic system."""
+"""Actions of the pilot: time [s], text, inputs of the hydraulic system."""
 STATES: tuple[tuple[str, str, str, str], ...] = (
     ("hydraulics", "doorlock.engaged", "door lock engages", "door lock releases"),
     ("door", "closed", "door is closed", "door starts to open"),
@@ -65,7 +65,7 @@ STATES: tuple[tuple[str, str, str, str], ...] = (
     ("gear", "retracted", "gear is up", "gear leaves the up stop"),
     ("gear", "extended", "gear is down", "gear leaves the down stop"),
 )
-"""Boolean outputs, and what it means that they become true or false."""
+"""Boolean outputs, and the texts for their change to true and to false."""
 CURVES: dict[str, tuple[str, ...]] = {
     "gear": ("crank.angle", "follower.angle", "actuator.length"),
     "door": ("door.angle", "actuator.length"),
@@ -233,7 +233,7 @@ def run(package: Path, step: float = STEP, end: float = END) -> Run:
 
 
 def write_table(found: Run, path: Path) -> None:
-    """Write all rows, 17 digits, SI units."""
+    """Write all rows with 17 digits in SI units."""
     names = [f"{part}.{name}" for part, columns in CURVES.items() for name in columns]
     names += [f"{part}.{name}" for part, name, *_ in STATES]
     with path.open("w", newline="", encoding="utf-8") as file:

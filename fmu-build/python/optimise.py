@@ -25,15 +25,15 @@ Array = NDArray[np.float64]
 GLOBAL = 0.75
 """Part of the budget for differential evolution."""
 MEMBERS = 15
-"""Of a generation, for each factor."""
+"""Number of members of a generation per factor."""
 GENERATIONS = 8
-"""Which the budget is to suffice for at least."""
+"""Number of generations for which the budget should suffice."""
 RADII = (0.1, 1e-6)
-"""First and last trust radius of COBYQA, where all factors run from 0 to 1."""
+"""First and last trust radius of COBYQA, with all factors scaled to 0 ... 1."""
 GAIN = 1e-7
-"""Relative gain below which COBYQA is not begun anew."""
+"""COBYQA is not restarted if its relative gain is below this value."""
 TOLERANCE = 1e-5
-"""Relative scatter of the costs of a generation below which differential evolution ends."""
+"""Differential evolution ends if the relative scatter of the costs of a generation is below this value."""
 
 
 class OverError(Exception):
@@ -41,7 +41,7 @@ class OverError(Exception):
 
 
 class Problem:
-    """The points that were asked for, and what they are worth."""
+    """The points that were evaluated, with their values."""
 
     def __init__(self, stated: dict[str, Any]) -> None:
         self.start = np.array(stated["start"], dtype=float)
@@ -53,7 +53,7 @@ class Problem:
         self.why = ""
 
     def ask(self, points: Array) -> None:
-        """Have these points evaluated, each in a row, but for those that are known."""
+        """Evaluate these points, one per row, except for known points."""
         new = {point.tobytes(): point for point in points if point.tobytes() not in self.known}
         wanted = list(new.values())[: self.left]
         if wanted:
@@ -71,25 +71,25 @@ class Problem:
             raise OverError
 
     def rows(self, x: Array) -> Array:
-        """Points as rows, within the cube; SciPy has them as columns."""
+        """Points as rows, within the cube. SciPy passes them as columns."""
         return np.ascontiguousarray(np.clip(np.atleast_2d(x.T), 0.0, 1.0))
 
     def cost(self, x: Array) -> Any:  # noqa: ANN401
-        """Costs of points, or the cost of one."""
+        """Costs of points, or the cost of a single point."""
         points = self.rows(x)
         self.ask(points)
         costs = np.array([self.known[point.tobytes()][0] for point in points])
         return costs if x.ndim == 2 else float(costs[0])
 
     def excess(self, x: Array) -> Array:
-        """By how much each limit is exceeded: a row for each limit."""
+        """Excess over each limit: one row per limit."""
         points = self.rows(x)
         self.ask(points)
         excess = np.array([self.known[point.tobytes()][1] for point in points]).T
         return excess if x.ndim == 2 else excess[:, 0]
 
     def best(self) -> tuple[float, float, Array]:
-        """Violation, cost, and place of the best point."""
+        """Violation, cost and coordinates of the best point."""
 
         def rank(point: Array) -> tuple[float, float]:
             cost, excess = self.known[point.tobytes()]
@@ -100,7 +100,7 @@ class Problem:
 
 
 def search_everywhere(problem: Problem) -> None:
-    """Differential evolution with Lampinen's rules for the limits; all of a generation is asked for at once."""
+    """Differential evolution with Lampinen's rules for limits. A whole generation is requested at once."""
     count = len(problem.start)
     members = max(5, min(MEMBERS * count, problem.left // GENERATIONS))
     generations = int(GLOBAL * problem.left / members) - 1
@@ -122,7 +122,7 @@ def search_everywhere(problem: Problem) -> None:
 
 
 def search_nearby(problem: Problem) -> None:
-    """COBYQA from the best point, begun anew as long as it gains."""
+    """COBYQA from the best point, restarted as long as it gains."""
     rounds = 0
     while True:
         _, before, start = problem.best()
@@ -150,8 +150,8 @@ def search_nearby(problem: Problem) -> None:
 
 
 def main() -> None:
-    """Read the problem, search, tell why the search has ended."""
-    # The program that evaluates the points ends this one.
+    """Read the problem, search, report the reason for the end of the search."""
+    # The program that evaluates the points ends this program.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     problem = Problem(json.loads(sys.stdin.readline()))
     np.seterr(all="ignore")

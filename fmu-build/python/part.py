@@ -1,4 +1,4 @@
-"""A packed FMU as FMPy sees it: an instance, its variables by name."""
+"""A packed FMU in FMPy: an instance with access to its variables by name."""
 
 from __future__ import annotations
 

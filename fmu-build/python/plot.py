@@ -23,20 +23,20 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000")
-"""Colours that are told apart by people who see fewer (Okabe and Ito 2008)."""
+"""Colours that people with colour-vision deficiency can distinguish (Okabe and Ito 2008)."""
 LINES = len(COLOURS)
 PANELS = 8
-"""Most lines in a panel and most panels: more could not be told apart."""
+"""Largest number of lines in a panel and of panels that can be distinguished."""
 WIDTH, HEIGHT, STRIP, ROW = 6.0, 1.6, 0.5, 0.2
-"""Of the picture, of a panel, of a Boolean in its panel and of a row of a legend [in]."""
+"""Sizes of the picture, a panel, a Boolean in its panel and a row of a legend [in]."""
 LETTERS = 72
-"""Of a legend in one row."""
+"""Number of letters of a legend in one row."""
 WORDS = 19
-"""Letters along the height of a panel."""
+"""Number of letters along the height of a panel."""
 PITCH = 2.2
-"""Distance of the zeros of two Booleans."""
+"""Distance between the zero lines of two Booleans."""
 PLAIN = (1e-2, 1e4)
-"""Largest values that are written without a prefix of their unit."""
+"""Largest values that are written without a unit prefix."""
 PREFIXES = {-15: "f", -12: "p", -9: "n", -6: "µ", -3: "m", 3: "k", 6: "M", 9: "G", 12: "T"}
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 STYLE = {
@@ -62,7 +62,7 @@ STYLE = {
 
 @dataclass(frozen=True)
 class Series:
-    """Values of one variable; a value that does not exist is NaN."""
+    """Values of one variable. NaN stands for a missing value."""
 
     name: str
     quantity: str | None
@@ -71,17 +71,17 @@ class Series:
 
     @classmethod
     def read(cls, plan: dict[str, Any]) -> Series:
-        """From the plan."""
+        """Read a line of the plan."""
         return cls(plan["name"], plan["quantity"], plan["unit"], np.array(plan["values"], dtype=float))
 
 
 def unit_with_prefix(unit: str, size: float) -> tuple[str, float]:
-    """Words for a unit in which values of this size have few digits, and the factor from the unit itself."""
+    """Unit with a prefix for which values of this size have few digits, and the factor from the unit without prefix."""
     shown = re.sub(r"(?<=[A-Za-z])\d", lambda digit: digit[0].translate(SUPERSCRIPTS), unit).replace(".", "·")
     if not math.isfinite(size) or size == 0.0 or PLAIN[0] <= size < PLAIN[1]:
         return shown, 1.0
     power = 3 * math.floor(math.log10(size) / 3.0)
-    # A power of a unit with a prefix would be the power of the prefix too.
+    # A prefix of a unit with a power would have the power too.
     has_prefix = re.match(r"(N|Pa|J|W|Hz)(?![a-z0-9])", unit) or (unit == "m" and power < 0)
     if has_prefix and power in PREFIXES:
         return PREFIXES[power] + shown, 10.0**-power
@@ -89,7 +89,7 @@ def unit_with_prefix(unit: str, size: float) -> tuple[str, float]:
 
 
 def words(lines: list[Series]) -> str:
-    """The quantity of a panel: AngularVelocity is angular velocity."""
+    """Text for the quantity of a panel: AngularVelocity becomes angular velocity."""
     if lines[0].quantity:
         return re.sub(r"(?<!^)(?=[A-Z])", " ", lines[0].quantity).capitalize()
     parts = [re.split("[ _]", line.name.rpartition(".")[2]) for line in lines]
@@ -98,7 +98,7 @@ def words(lines: list[Series]) -> str:
 
 
 def panels(lines: list[Series]) -> tuple[list[list[Series]], int]:
-    """Lines of one quantity together, Booleans last; how many lines are in no panel."""
+    """Lines grouped by quantity, Booleans last, and the number of lines without a panel."""
     groups: dict[tuple[str | None, str | None], list[Series]] = {}
     for line in lines:
         groups.setdefault((line.quantity, line.unit), []).append(line)
@@ -109,29 +109,29 @@ def panels(lines: list[Series]) -> tuple[list[list[Series]], int]:
 
 
 def columns(lines: list[Series]) -> int:
-    """Of a legend."""
+    """Number of columns of a legend."""
     return max(1, min(len(lines), LETTERS // (max(len(line.name) for line in lines) + 7)))
 
 
 def height(lines: list[Series]) -> float:
-    """Of a panel [in]."""
+    """Height of a panel [in]."""
     if not lines[0].unit:
         return STRIP * len(lines) + 0.2
     return HEIGHT + ROW * -(-len(lines) // columns(lines))
 
 
 def draw_numbers(axes: Axes, x: NDArray[np.float64], lines: list[Series]) -> None:
-    """Curves of one quantity, its name and unit at the axis, the names of the variables above."""
+    """Curves of one quantity, with name and unit at the axis and the names of the variables above."""
     known = np.concatenate([line.values[np.isfinite(line.values)] for line in lines])
     size = float(np.abs(known).max(initial=0.0))
     unit, factor = unit_with_prefix(lines[0].unit or "", size)
     for line, colour in zip(lines, COLOURS, strict=False):
-        # A line under another one is seen between its dashes.
+        # A line below another line is visible between the dashes.
         style = "-" if line is lines[0] else (0, (7, 1.5))
         marker = "o" if len(x) == 1 else None
         axes.plot(x, factor * line.values, color=colour, label=line.name, linestyle=style, marker=marker)
     if known.size and np.ptp(known) <= 1e-9 * size:
-        # What differs by rounding alone is a constant.
+        # Values that differ only by rounding are drawn as a constant.
         middle = factor * float(known[0])
         axes.set_ylim(middle - 0.1 * abs(middle), middle + 0.1 * abs(middle))
     axes.ticklabel_format(axis="y", style="plain", useOffset=False)
@@ -143,7 +143,7 @@ def draw_numbers(axes: Axes, x: NDArray[np.float64], lines: list[Series]) -> Non
 
 
 def draw_booleans(axes: Axes, x: NDArray[np.float64], lines: list[Series]) -> None:
-    """Each Boolean as steps in a strip, its name above it."""
+    """Each Boolean as steps in a strip, with its name above."""
     zeros = PITCH * np.arange(len(lines))[::-1]
     for line, zero, colour in zip(lines, zeros, COLOURS, strict=False):
         axes.step(x, zero + line.values, where="post", color=colour)
@@ -154,7 +154,7 @@ def draw_booleans(axes: Axes, x: NDArray[np.float64], lines: list[Series]) -> No
 
 
 def draw(plan: dict[str, Any]) -> Figure:
-    """The picture."""
+    """Draw the picture."""
     along, lines = Series.read(plan["x"]), [Series.read(line) for line in plan["lines"]]
     groups, left_out = panels(lines)
     if left_out:

@@ -18,36 +18,36 @@ import fmpy
 from fmpy import fmi2, logging, read_model_description
 
 JUST_AFTER = 64.0 * sys.float_info.epsilon
-"""Time after an event at which its state is looked for first, relative to the time."""
+"""Relative distance after an event at which its state is searched first."""
 HALVINGS = 1100
-"""Most steps that the search for an event takes."""
+"""Largest number of steps in the search for an event."""
 CLOSE = 1e-9
-"""Relative difference below which two instants are one."""
+"""Relative difference below which two times count as equal."""
 WARNING = 1
-"""Status of a function up to which it has done what it was asked for."""
+"""Largest status with which a function has done its task."""
 ERROR = 3
-"""Status of a function that has refused."""
+"""Status of a function that returned an error."""
 FATAL = 4
-"""Status of a function after which the instance can only be freed."""
+"""Status after which the instance can only be freed."""
 
 Plan = dict[str, Any]
 Call = Callable[[], int]
-"""A function of the FMU bound to its arguments: its status."""
+"""A function of the FMU bound to its arguments. It returns its status."""
 
 
 class RunError(Exception):
-    """Why a run failed."""
+    """The reason why a run failed."""
 
 
 class FaultError(RunError):
-    """The run failed by a fault of the FMU, whose instance is lost."""
+    """The run failed because of a fault of the FMU. The instance is lost."""
 
     def __init__(self) -> None:
         super().__init__("an internal fault stopped the run; please report it")
 
 
 def is_close(a: float, b: float) -> bool:
-    """Whether two instants are one but for rounding."""
+    """Whether two times are equal except for rounding."""
     return a == b or abs(a - b) <= CLOSE * max(abs(a), abs(b))
 
 
@@ -56,7 +56,7 @@ TYPES: dict[str, tuple[str, type]] = {
     "boolean": ("Boolean", c_int),
     "text": ("Integer", c_int),
 }
-"""Names of the types in functions, and the types of their values in C."""
+"""Names of the types in function names, and the types of their values in C."""
 
 
 def logger() -> tuple[Any, dict[int, list[str]]]:
@@ -77,7 +77,7 @@ def logger() -> tuple[Any, dict[int, list[str]]]:
 
 
 class Variables:
-    """Variables of one type with memory for their values, to be set or read in one call."""
+    """Variables of one type with memory for their values, which one call sets or reads."""
 
     def __init__(self, instance: Instance, kind: str, references: Iterable[int]) -> None:
         name, c_type = TYPES[kind]
@@ -120,7 +120,7 @@ class Instance:
         return partial(function, self.component, *arguments)
 
     def setting(self, kind: str, references: list[int], values: list[Any]) -> Call:
-        """What sets variables, or the slopes of inputs for the next step, to these values."""
+        """Function that sets variables, or the slopes of inputs for the next step, to these values."""
         if kind == "slope":
             count = len(references)
             arguments = (c_uint * count)(*references), c_size_t(count), (c_int * count)(*[1] * count)
@@ -140,17 +140,17 @@ class Instance:
         return {item.name: int(item.value) for item in self.enumerations[reference].declaredType.items}
 
     def refuse(self, reference: int, word: str) -> int:
-        """Status of a word that no item of an Enumeration has, with the reason in the log as the FMU would write it."""
+        """Status for a text that is no item of an Enumeration. The log contains the reason in the words of the FMU."""
         allowed = " or ".join(f'"{item}"' for item in self.items(reference))
         self.log.append(f'fmi2SetInteger: {self.enumerations[reference].name} = "{word}": must be {allowed}')
         return ERROR
 
     def why(self) -> str:
-        """What the FMU said last, without the name of the function."""
+        """The last message of the FMU without the name of the function."""
         return self.log[-1].partition(": ")[2] if self.log else "the FMU gave no reason"
 
     def do(self, call: Call, what: str) -> None:
-        """Make a call; if it is refused, the reason is told with `what` before it."""
+        """Make a call. If it returns an error, the reason with the prefix `what` is raised."""
         status = call()
         if status > WARNING:
             if status == FATAL:
@@ -159,7 +159,7 @@ class Instance:
 
 
 class State:
-    """A state of the FMU that is kept, in memory that is used again."""
+    """A saved state of the FMU, whose memory is used repeatedly."""
 
     def __init__(self, instance: Instance) -> None:
         self.handle = c_void_p()
@@ -168,27 +168,27 @@ class State:
 
 
 class Step:
-    """A step of the plan, with all that is set before it."""
+    """A step of the plan, with all values that are set before it."""
 
-    def __init__(self, instance: Instance, told: Plan) -> None:
-        self.start, self.end, self.label = told["start"], told["end"], told["label"]
-        self.end_label = told["end_label"]
+    def __init__(self, instance: Instance, entry: Plan) -> None:
+        self.start, self.end, self.label = entry["start"], entry["end"], entry["label"]
+        self.end_label = entry["end_label"]
         self.what = f"step at {self.label} s"
-        self.settings = [instance.setting(*setting) for setting in told["settings"]]
+        self.settings = [instance.setting(*setting) for setting in entry["settings"]]
         self.instance = instance
         self.whole = self.of(self.end - self.start)
 
     def of(self, h: float) -> Call:
-        """A step of the length h [s] from the same start."""
+        """A step of length h [s] from the same start."""
         return self.instance.bound("DoStep", c_double(self.start), c_double(h), c_int(1))
 
 
 class Event:
-    """A condition that comes true by an impact: the number of impacts since the start, and the time of the last one."""
+    """A condition that an impact makes true: number of impacts since the start, and time of the last impact."""
 
-    def __init__(self, instance: Instance, told: Plan) -> None:
-        self.name = told["name"]
-        self.counted, self.timed = (Variables(instance, "real", [told[key]]) for key in ("count", "time"))
+    def __init__(self, instance: Instance, entry: Plan) -> None:
+        self.name = entry["name"]
+        self.counted, self.timed = (Variables(instance, "real", [entry[key]]) for key in ("count", "time"))
 
     def count(self) -> float:
         """The number of impacts since the start."""
@@ -202,15 +202,15 @@ class Event:
 
 
 class Factors:
-    """Factors of one type that are set in one call."""
+    """Factors of one type that one call sets."""
 
-    def __init__(self, instance: Instance, told: list[Any]) -> None:
-        self.kind, self.indices, self.references, self.names, self.texts = told
+    def __init__(self, instance: Instance, entry: list[Any]) -> None:
+        self.kind, self.indices, self.references, self.names, self.texts = entry
         self.variables = Variables(instance, self.kind, self.references)
         self.instance = instance
 
     def take(self, point: tuple[float, ...]) -> Call:
-        """What sets the values of a run."""
+        """Function that sets the values of a run."""
         values = [point[index] for index in self.indices]
         if self.kind != "real":
             for name, value in zip(self.names, values, strict=True):
@@ -225,7 +225,7 @@ class Factors:
 
 
 class Runner:
-    """One instance of the FMU, run again and again; no run depends on those before it."""
+    """One instance of the FMU for many runs. No run depends on previous runs."""
 
     def __init__(self, folder: Path, plan: Plan) -> None:
         self.plan = plan
@@ -250,7 +250,7 @@ class Runner:
         self.is_fresh_kept = False
 
     def renew(self) -> None:
-        """The FMU as it is before the values of the factors are set."""
+        """Restore the FMU as it is before the values of the factors are set."""
         if self.is_fresh_kept:
             self.instance.do(self.fresh.restore, "the state before a run")
             return
@@ -262,7 +262,7 @@ class Runner:
         self.is_fresh_kept = True
 
     def run(self, point: tuple[float, ...], values: list[float]) -> str:
-        """Make the run with these values of the factors; what is unusual about it."""
+        """Make the run with these values of the factors. Returns remarks about the run."""
         instance, reads, stop_at, stopped = self.instance, bool(self.observed), self.stop_at, False
         if instance.log:
             instance.log.clear()
@@ -299,12 +299,12 @@ class Runner:
         return "; ".join(remark for remark in (missed, self.undefined) if remark)
 
     def make(self, step: Step, call: Call) -> None:
-        """A step from the beginning of `step` on."""
+        """Make a step from the start of `step`."""
         self.instance.do(call, step.what)
 
     def find_events(self, step: Step, first_time: float | None, end: float, values: list[float]) -> None:
-        """Tell the times of events that this step is the first to meet, until `end` [s]. `first_time`: that of the
-        event that ends the run, if it is met."""
+        """Report the times of events that occur first in this step, until `end` [s]. `first_time`: time of the event
+        that ends the run, if it occurs."""
         for event, own in self.events:
             if event is self.stop_at:
                 time = first_time
@@ -317,7 +317,7 @@ class Runner:
                     values[column] = time
 
     def time_of(self, event: Event, step: Step) -> float:
-        """Time of the first impact of an event that this step, which is made, has met [s]."""
+        """Time of the first impact of an event that occurred in this completed step [s]."""
         if event.count() == 1.0:
             return event.time()
         without, met = 0.0, step.end - step.start
@@ -342,7 +342,7 @@ class Runner:
         return time
 
     def step_to(self, event: Event, step: Step, time: float) -> None:
-        """Put the FMU into the state just after an event of this step, which is made and met it at `time` [s]."""
+        """Bring the FMU into the state just after an event, which occurred in this completed step at `time` [s]."""
         whole = step.end - step.start
         later = JUST_AFTER * max(abs(time), sys.float_info.min)
         while True:
@@ -357,7 +357,7 @@ class Runner:
             later *= 2.0
 
     def observe(self, values: list[float], time: float, label: str, is_first: bool, is_last: bool) -> None:
-        """Read the FMU at an instant [s]."""
+        """Read the FMU at a time [s]."""
         for (response, variable), sums in zip(self.observed, self.sums, strict=True):
             measure, column = response["measure"], response["column"]
             if measure == "final" and not is_last:

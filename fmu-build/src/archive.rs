@@ -1,7 +1,7 @@
-//! The zip file of an FMU, the same bytes for the same content.
+//! The zip file of an FMU. Its bytes depend only on the content.
 //!
-//! In: names and contents. Out: entries in a fixed order, deflated or stored, `modelDescription.xml` first, with fixed
-//! times and permissions, without entries for directories (FMI 2.0.5, 2.3).
+//! In: names and contents. Out: entries in a fixed order with `modelDescription.xml` first, deflated or stored, with
+//! fixed times and permissions, without entries for folders (FMI 2.0.5, 2.3).
 
 use crate::{files, names};
 use anyhow::{Context, Result, bail};
@@ -11,14 +11,14 @@ use std::path::Path;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-/// Name of the file that describes the FMU.
+/// Name of the description file of the FMU.
 pub const MODEL_DESCRIPTION: &str = "modelDescription.xml";
 /// Folder of the libraries.
 pub const BINARIES: &str = "binaries";
 /// Read and write for the owner, read for all.
 const PERMISSIONS: u32 = 0o644;
 
-/// What is stored as it is: unpacking megabytes takes an importer longer than the run of a mechanism.
+/// Whether an entry is stored without compression: unpacking megabytes would take an importer longer than a run.
 fn is_stored(name: &str) -> bool {
     (name.starts_with(BINARIES) && !name.ends_with(".a")) || name.ends_with(TABLES)
 }
@@ -28,18 +28,18 @@ fn is_stored(name: &str) -> bool {
 pub struct Entry {
     /// Path in the zip, with `/`.
     pub name: String,
-    /// What the file holds.
+    /// Content of the file.
     pub content: Vec<u8>,
 }
 
-/// Write the FMU to `path`; a file that stands there is replaced at once, or not at all. Any number of programs may do
-/// so at the same time.
+/// Write the FMU to `path`. An existing file is either replaced as a whole, or not at all. Several programs may write
+/// at the same time.
 ///
 /// # Errors
-/// Two entries have one name or names that differ by case only, a name is none on some system, or the folder or the
+/// Two entries have equal names or names that differ only by case; a name is invalid on some system; the folder or the
 /// file cannot be written.
 pub fn write(path: &Path, entries: Vec<Entry>) -> Result<()> {
-    // The zip is finished in memory: where writing fails, there is one error and no attempt to end the zip.
+    // The zip is completed in memory. If writing fails, there is one error, and no attempt to complete the zip.
     let zip = zipped(entries).with_context(|| format!("{}: cannot be packed", path.display()))?;
     files::replace(path, &zip)
 }
@@ -115,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn content_comes_back() {
+    fn extracted_content_is_the_packed_content() {
         let mut zip = ZipArchive::new(Cursor::new(bytes(entries()))).unwrap();
         for expected in entries() {
             let mut content = Vec::new();
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_name_given_twice_is_refused() {
+    fn a_duplicate_name_is_rejected() {
         let error = zipped(vec![entry("a", "1"), entry("a", "2")]).unwrap_err();
         assert!(error.to_string().starts_with("a would be packed twice"), "{error}");
     }

@@ -1,5 +1,5 @@
-//! `cargo fmu bench`: the benchmarks of the validation package, their figures, the comparison of importers, and that
-//! with other tools.
+//! `cargo fmu bench`: the benchmarks of the validation package, their figures, and comparisons of importers and with
+//! other tools.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, dist, files, package};
@@ -41,15 +41,15 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The random linkages of the engine's tests, six times as many as in a run of the tests.
+/// The random linkages of the engine's tests, six times as many as in a normal test run.
 fn random_linkages(workspace: &Workspace) -> Result<()> {
     let mut cargo = command::cargo(workspace);
     cargo.args(["test", "--quiet", "--package", "linkage-fmu", "--test", "engine", "random_linkages"]);
     command::run(cargo.env("LINKAGE_FMU_CASES", "600"), "random linkages")
 }
 
-/// A Python script of the folder `name` of `validation/`, in an environment of its own, with the default FMU as its
-/// first argument; the folder, and another one for what is made on the way.
+/// A Python script in the folder `name` of `validation/`, in a separate environment, with the default FMU as its first
+/// argument. Also returns this folder, and a folder for intermediate files.
 fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, PathBuf)> {
     let fmu = package::default(workspace)?;
     let (folder, work) = (workspace.validation().join(name), workspace.target(name));
@@ -59,7 +59,7 @@ fn comparison(workspace: &Workspace, name: &str) -> Result<(Command, PathBuf, Pa
     Ok((script, folder, work))
 }
 
-/// Drive the default FMU with each importer, alone and coupled with its hydraulic actuator, and write the results.
+/// Run the default FMU in each importer, alone and coupled with its hydraulic actuator, and write the results.
 fn importers(workspace: &Workspace) -> Result<()> {
     package::run(workspace, &package::Arguments { ssp: true, ..Default::default() })?;
     let (mut script, _, work) = comparison(workspace, "importers")?;
@@ -77,8 +77,8 @@ fn importers(workspace: &Workspace) -> Result<()> {
     command::run(&mut script, "importers.py")
 }
 
-/// The hydraulic actuator packed with the mode for hosts that hand values on one step late: libcosim and ECOS know no
-/// Enumerations of FMI 2.0, so that they cannot set it.
+/// The hydraulic actuator packed with the coupling mode `delayed`. libcosim and ECOS do not support the Enumerations of
+/// FMI 2.0, so that they cannot set the mode.
 fn delayed(workspace: &Workspace) -> Result<PathBuf> {
     const NAME: &str = "HydraulicActuator";
     let source = workspace.descriptions().join(NAME).join("resources").join("hydraulics.json");
@@ -94,14 +94,14 @@ fn delayed(workspace: &Workspace) -> Result<PathBuf> {
     Ok(out.join(NAME).with_extension("fmu"))
 }
 
-/// The program of the crate fmi-sim, installed from crates.io into a folder of its own; once there it is not built
+/// The program of the crate fmi-sim, installed from crates.io into a separate folder. An existing program is not built
 /// again.
 fn fmi_sim(workspace: &Workspace) -> Result<PathBuf> {
     const CRATE: &str = "fmi-sim@0.7.0";
     let root = workspace.target("importers").join("fmi-sim");
     let mut cargo = command::cargo(workspace);
     cargo.args(["install", "--quiet", "--locked", CRATE, "--root"]).arg(&root);
-    // Of the program that runs now, Cargo tells its children where it lies.
+    // Cargo passes the folder of the running program to its child processes.
     cargo
         .arg("--target-dir")
         .arg(root.join("target"))
@@ -111,8 +111,7 @@ fn fmi_sim(workspace: &Workspace) -> Result<PathBuf> {
     Ok(root.join("bin").join(format!("fmi-sim{}", env::consts::EXE_SUFFIX)))
 }
 
-/// Measure the Rust solvers, then the tools with Python and the libraries in C, as far as they are installed, and write
-/// results and figure.
+/// Measure the Rust solvers, then the tools with Python and the installed libraries in C, and write results and figure.
 fn peers(workspace: &Workspace) -> Result<()> {
     let (mut script, folder, work) = comparison(workspace, "peers")?;
     let rust = work.join("rust.csv");
@@ -125,7 +124,7 @@ fn peers(workspace: &Workspace) -> Result<()> {
     command::run(&mut script, "peers.py")
 }
 
-/// Measure what a run of a study costs, here and by other ways to make many runs, and write the results.
+/// Measure the cost of a run of a study with this program and with other tools, and write the results.
 fn studies(workspace: &Workspace) -> Result<()> {
     let (mut script, _, work) = comparison(workspace, "studies")?;
     script.arg("--program").arg(command::built(workspace, Program::Studies.name())?);
@@ -134,8 +133,8 @@ fn studies(workspace: &Workspace) -> Result<()> {
     command::run(&mut script, "studies.py")
 }
 
-/// Measure runs and steps by the Python module next to FMPy, MuJoCo and EXUDYN, and write the results. The module is
-/// that of the wheel that `dist` has built.
+/// Measure runs and steps by the Python module, FMPy, MuJoCo and EXUDYN, and write the results. The module is that of
+/// the wheel that `dist` has built.
 fn module(workspace: &Workspace) -> Result<()> {
     let folder = workspace.validation().join("studies");
     let python = command::environment(&workspace.target("venv-studies"), &folder.join("requirements.txt"))?;

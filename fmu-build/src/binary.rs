@@ -1,7 +1,7 @@
 //! Shared libraries that were built elsewhere: `--binary win64=path/to.dll` adds one more platform to an FMU.
 //!
-//! In: a platform's name and a file. Out: the file's bytes, after a look whether it is a library of that platform with
-//! the functions of FMI in it.
+//! In: the name of a platform, and a file. Out: the bytes of the file, after a check that it is a library of the
+//! platform with the functions of FMI.
 
 mod universal;
 
@@ -15,23 +15,23 @@ use object::read::NameOrOrdinal;
 use object::read::macho::{FatArch, MachOFatFile32, MachOFatFile64};
 use object::{Architecture, BinaryFormat, FileKind, Object, ObjectKind};
 
-/// A function that every library of an FMU has.
+/// A function that every library of an FMU exports.
 const FUNCTION: &str = "fmi2Instantiate";
-/// A function that a library has which also serves FMI 3.0.
+/// A function that a library with FMI 3.0 exports.
 const FUNCTION_3: &str = "fmi3InstantiateCoSimulation";
 
-/// Linux on ARM. FMI 2.0 has no name of its own for it: since 2.0.4 the one of FMI 3.0 stands.
+/// Linux on ARM. FMI 2.0 has no separate name. Since 2.0.4 the name of FMI 3.0 is used.
 pub const ARM_LINUX: &str = "aarch64-linux";
 /// macOS, on both processors.
 pub const MAC: &str = "darwin64";
-/// The folder in which importers of FMI 2.0 look on every 64-bit Linux if they know no processor but x86_64.
+/// The folder in which importers of FMI 2.0 look on every 64-bit Linux, if they only know x86_64.
 pub const COMPATIBLE: &str = "linux64";
 
 /// A platform of FMI 2.0.5, 2.3, with its names in FMI 3.0.2, 2.5.1.4.
 #[derive(Clone, Copy, Debug)]
 struct Platform {
     name: &'static str,
-    /// One name for each architecture.
+    /// One name per architecture.
     tuples: &'static [&'static str],
     extension: &'static str,
     format: BinaryFormat,
@@ -81,7 +81,7 @@ const PLATFORMS: [Platform; 7] = [
         format: BinaryFormat::MachO,
         architectures: &[Architecture::I386],
     },
-    // Importers look here on both kinds of processors.
+    // Importers on both kinds of processors look in this folder.
     Platform {
         name: MAC,
         tuples: &["x86_64-darwin", "aarch64-darwin"],
@@ -91,22 +91,22 @@ const PLATFORMS: [Platform; 7] = [
     },
 ];
 
-/// A library that was looked at.
+/// A checked library.
 #[derive(Debug)]
 pub struct Binary {
     platform: &'static Platform,
     /// Folder in an FMU of FMI 2.0.
     folder: &'static str,
     content: Vec<u8>,
-    /// Which library of the project it is; None for one that was built elsewhere, which serves what the user says.
+    /// The library of the project. None for a library built elsewhere, which serves the models that the user states.
     library: Option<&'static SharedLibrary>,
 }
 
 impl Binary {
-    /// Read the file and look at it.
+    /// Read the file and check it.
     ///
     /// # Errors
-    /// There is no such file, or it is no library of the platform.
+    /// The file does not exist, or is no library of the platform.
     pub fn read(named: &Library) -> Result<Self> {
         let file = named.file.display();
         if !named.file.is_file() {
@@ -115,10 +115,10 @@ impl Binary {
         Self::new(named.platform, files::read(&named.file, u64::MAX)?, &file.to_string())
     }
 
-    /// Look at a library for the platform of this name in FMI 2.0; `shown` names it in messages.
+    /// Check a library for the platform with this name in FMI 2.0. `shown` is its name in messages.
     ///
     /// # Errors
-    /// It is no library of the platform, or there is no such platform.
+    /// The content is no library of the platform, or the platform does not exist.
     pub fn new(name: &str, content: Vec<u8>, shown: &str) -> Result<Self> {
         let Some(platform) = PLATFORMS.iter().find(|platform| platform.name == name) else {
             bail!("FMI 2.0 has no platform {name}");
@@ -128,30 +128,30 @@ impl Binary {
         Ok(Self { platform, folder: platform.name, content, library: None })
     }
 
-    /// The same as this library of the project.
+    /// This binary as the given library of the project.
     pub fn of(self, library: &'static SharedLibrary) -> Self {
         Self { library: Some(library), ..self }
     }
 
-    /// Whether it goes into the FMUs of a library of the project.
+    /// Whether the binary belongs to the FMUs of this library of the project.
     pub fn serves(&self, library: &SharedLibrary) -> bool {
         self.library.is_none_or(|own| own == library)
     }
 
-    /// The same library in the folder [`COMPATIBLE`] of an FMU of FMI 2.0.
+    /// The same binary in the folder [`COMPATIBLE`] of an FMU of FMI 2.0.
     pub fn compatible(self) -> Self {
         Self { folder: COMPATIBLE, ..self }
     }
 
-    /// Whether both have one path in an FMU.
+    /// Whether both binaries have the same path in an FMU.
     pub fn shares_file(&self, other: &Self) -> bool {
         self.folder == other.folder && self.library == other.library
     }
 
-    /// Put the library of another processor of macOS into the same file.
+    /// Add the library for another processor of macOS to the file.
     ///
     /// # Errors
-    /// One of the two is none of macOS.
+    /// One of the two is no library of macOS.
     pub fn join(&mut self, other: Self) -> Result<()> {
         if self.content != other.content {
             self.content = universal::file(&[&self.content, &other.content])?;
@@ -159,18 +159,18 @@ impl Binary {
         Ok(())
     }
 
-    /// Its bytes.
+    /// Bytes of the file.
     pub fn content(&self) -> &[u8] {
         &self.content
     }
 
-    /// Name of its platform, or of the one in whose folder it lies.
+    /// Name of the platform, or of the platform whose folder it uses.
     pub fn platform(&self) -> &'static str {
         self.folder
     }
 
-    /// The entries in the FMU of a model with this modelIdentifier: one, or in FMI 3.0 one for each architecture that
-    /// the file holds, with what is for it; none of FMI 3.0 if the library has not its functions.
+    /// The entries in the FMU of a model with this modelIdentifier: one entry, or for FMI 3.0 one entry per
+    /// architecture in the file. No entry for FMI 3.0 if the library lacks its functions.
     pub fn entries(&self, version: Version, model_identifier: &str) -> Vec<Entry> {
         let Platform { tuples, architectures, .. } = self.platform;
         let holds = |architecture: &'static Architecture| {
@@ -191,12 +191,12 @@ impl Binary {
     }
 }
 
-/// The platform of this name in FMI 2.0 or FMI 3.0.
+/// The platform with this name in FMI 2.0 or FMI 3.0.
 fn platform(name: &str) -> Option<&'static Platform> {
     PLATFORMS.iter().find(|known| known.name == name || known.tuples.contains(&name))
 }
 
-/// Path in an FMU of the library for the platform of this name; None if FMI has no such platform.
+/// Path of the library for this platform in an FMU. None if FMI has no such platform.
 pub fn path(name: &str, model_identifier: &str) -> Option<String> {
     Some(format!("{BINARIES}/{name}/{model_identifier}.{}", platform(name)?.extension))
 }
@@ -204,7 +204,7 @@ pub fn path(name: &str, model_identifier: &str) -> Option<String> {
 /// Whether this is a library of FMI 2.0 for the platform of this name.
 ///
 /// # Errors
-/// It is none; there is no such platform.
+/// The content is no such library, or the platform does not exist.
 pub fn check_for(name: &str, content: &[u8]) -> Result<()> {
     match platform(name) {
         Some(platform) => check(platform, content, FUNCTION),
@@ -212,7 +212,7 @@ pub fn check_for(name: &str, content: &[u8]) -> Result<()> {
     }
 }
 
-/// Whether one library in the file, which may hold several, is the platform's and exports this function.
+/// Whether one of the libraries in the file is for the platform and exports this function.
 fn check(platform: &Platform, content: &[u8], function: &str) -> Result<()> {
     match FileKind::parse(content).map_err(|_| anyhow::anyhow!("the file is not a library"))? {
         FileKind::MachOFat32 => check_each(platform, content, MachOFatFile32::parse(content)?.arches(), function),
@@ -243,7 +243,7 @@ fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> 
             platform.architectures.iter().map(|a| format!("{a:?}")).collect::<Vec<_>>().join(" or ")
         );
     }
-    // Bundles of macOS are loaded as dynamic libraries are.
+    // Bundles of macOS are loaded like dynamic libraries.
     if library.kind() != ObjectKind::Dynamic && format != BinaryFormat::MachO {
         bail!("the file is not a shared library");
     }
@@ -253,10 +253,11 @@ fn check_one(platform: &Platform, content: &[u8], function: &str) -> Result<()> 
     Ok(())
 }
 
-/// Whether a library exports functions of FMI only: others could clash with those of an importer's other libraries.
+/// Check that a library exports functions of FMI only. Other functions could clash with those of an importer's other
+/// libraries.
 ///
 /// # Errors
-/// The name of one that is none, or the file is no library.
+/// The message names another exported function, or the file is no library.
 pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
     let names = exports(&object::File::parse(content)?)?;
     match names.iter().find(|name| !name.starts_with("fmi2") && !name.starts_with("fmi3")) {
@@ -265,13 +266,13 @@ pub fn exports_fmi_only(content: &[u8]) -> Result<()> {
     }
 }
 
-/// Names that a library exports, as C has them.
+/// C names of the exported functions of a library.
 fn exports(library: &object::File) -> Result<Vec<String>> {
     let mut names = Vec::new();
     for export in library.exports()? {
         if let NameOrOrdinal::Name(name) = export?.name() {
             let name = String::from_utf8_lossy(name);
-            // On macOS a C name has a `_` before it.
+            // On macOS a C name has the prefix `_`.
             let plain = name.strip_prefix('_').filter(|_| library.format() == BinaryFormat::MachO);
             names.push(plain.unwrap_or(&name).to_owned());
         }
@@ -300,7 +301,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         for content in
             [&b""[..], b"MZ", b"#!/bin/sh\n", &[0x7f, b'E', b'L', b'F'], &[0xca, 0xfe, 0xba, 0xbe, 0, 0, 0, 9]]
         {

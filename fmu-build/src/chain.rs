@@ -1,10 +1,10 @@
-//! `cargo fmu chain N`: writes the `mechanism.json` of a chain of N four-bars, of the IFToMM library of computational
+//! `cargo fmu chain N`: writes the `mechanism.json` of a chain of N four-bars, from the IFToMM library of computational
 //! benchmark problems, A02.
 //!
 //! 2 N + 1 uniform rods of 1 m and 1 kg: bars 0 to N stand on the ground 1 m apart, links 1 to N join their tips.
-//! Gravity 9.81 m/s2 downwards; upright at the start, the tips moving at 1 m/s to the right. Every loop is a
-//! parallelogram, so the chain has one degree of freedom and 2 N loop equations, all of which are singular whenever the
-//! bars lie flat.
+//! Gravity is 9.81 m/s2 downwards. At the start the bars are upright, and their tips move at 1 m/s to the right. Every
+//! loop is a parallelogram, so the chain has one degree of freedom and 2 N loop equations. All of them are singular
+//! whenever the bars lie flat.
 
 use anyhow::{Context, Result};
 pub use fmu_cli::Chain as Arguments;
@@ -32,8 +32,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// The text of the file for `count` >= 1 four-bars; the pivots come first among the joints, so that every loop is
-/// closed by the bars next to it alone.
+/// The text of the file for `count` >= 1 four-bars. The pivots are the first joints, so that each loop closes through
+/// the bars next to it.
 pub fn text(count: u32) -> String {
     let name = if count == 2 { "FourBarChain".into() } else { format!("FourBarChain{count}") };
     let (bars, links) = (0..=count, 1..=count);
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_chain_too_long_is_refused_with_the_limit() {
+    fn a_chain_that_is_too_long_is_rejected_with_the_limit() {
         #[derive(clap::Parser)]
         struct Line {
             #[command(flatten)]

@@ -1,7 +1,7 @@
-//! `cargo fmu check`: what a definition gives, and all that is wrong with it.
+//! `cargo fmu check`: facts about a definition, and all its faults.
 //!
-//! In: a definition file, a folder that holds one, or an FMU. Out: findings with their places in the text, facts about
-//! the model; as text or as JSON.
+//! In: a definition file, a folder that contains one, or an FMU. Out: findings with their places in the text, and facts
+//! about the model, as text or as JSON.
 
 mod faults;
 mod print;
@@ -21,31 +21,31 @@ use std::path::{Path, PathBuf};
 pub use print::{findings, json, line, listed, summary, text};
 pub use units::FileUnits;
 
-/// A definition that was checked.
+/// A checked definition.
 pub struct Checked {
-    /// Where the definition is, as messages name it.
+    /// Path of the definition in messages.
     pub shown: String,
     /// Its text.
     pub text: String,
     /// Findings of the inspection, with their places.
     pub findings: Vec<Located>,
-    /// Whether names and numbers were checked too, which takes a text that can be read.
+    /// Whether names and numbers were checked too, which is possible only if the text can be read.
     pub is_whole: bool,
     /// Units of the file.
     pub units: FileUnits,
-    /// Facts; the findings of the inspection are those above.
+    /// Facts. The field `findings` contains the findings.
     pub inspection: Inspection,
 }
 
 impl Checked {
-    /// Number of findings of this weight.
+    /// Number of findings of this severity.
     pub fn count(&self, severity: Severity) -> usize {
         self.findings.iter().filter(|located| located.finding.severity == severity).count()
     }
 }
 
-/// Check the definitions and print what was found; whether all passed. A path that leads to no definition has one
-/// finding, and the others are checked.
+/// Check the definitions and print the results. Returns whether all passed. A path without a definition has one
+/// finding, and the other paths are checked.
 ///
 /// # Errors
 /// The findings cannot be written as JSON.
@@ -66,14 +66,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     Ok(!all.iter().any(fails))
 }
 
-/// Place of a key in the text of a JSON file, or of the longest part of its path that is there; none where the text is
-/// no JSON.
+/// Place of a key in the text of a JSON file, or of the longest existing part of its path. None if the text is no JSON.
 pub fn place_of(text: &str, path: &str) -> Option<Place> {
     let place = spans::find(text, &parse("file", text).ok()?, path);
     Some(Place::new(text, place.shown))
 }
 
-/// A path that leads to no definition, with the reason.
+/// A path without a definition, with the reason.
 fn unread(path: &Path, error: &anyhow::Error) -> Checked {
     let finding = Finding::error("", format!("{error:#}"));
     let findings = vec![Located { finding, span: 0..0, position: [1, 1] }];
@@ -82,7 +81,7 @@ fn unread(path: &Path, error: &anyhow::Error) -> Checked {
     Checked { shown, text: String::new(), findings, is_whole: true, units, inspection }
 }
 
-/// Check the text of a definition of this kind, which messages name so.
+/// Check the text of a definition of this kind. `shown` is its path in messages.
 ///
 /// # Errors
 /// There is no such kind.

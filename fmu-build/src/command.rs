@@ -1,4 +1,4 @@
-//! Child processes whose output goes straight to the terminal, and the Python environment of the tests.
+//! Child processes that write directly to the terminal, and the Python environment of the tests.
 
 use crate::workspace::Workspace;
 use anyhow::Result;
@@ -7,14 +7,14 @@ use std::env;
 use std::path::PathBuf;
 use std::process::Command;
 
-/// Cargo, the one that runs this program, in the repository's top folder.
+/// The Cargo program that started this program, in the top folder of the repository.
 pub fn cargo(workspace: &Workspace) -> Command {
     let mut command = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     command.current_dir(workspace.root());
     command
 }
 
-/// Interpreter of the environment of the tests and the report, ready to use.
+/// Interpreter of the environment of the tests and the report.
 ///
 /// # Errors
 /// As for [`environment`].
@@ -22,13 +22,12 @@ pub fn python(workspace: &Workspace) -> Result<PathBuf> {
     environment(&workspace.target("venv"), &workspace.python_tests().join("requirements.txt"))
 }
 
-/// Another program of the workspace, built; its name is that of its package.
+/// Build another program of the workspace, with the name of its package.
 ///
 /// # Errors
 /// The build fails.
 pub fn built(workspace: &Workspace, name: &str) -> Result<PathBuf> {
-    // Both packages are named so that dependencies have the features they have for this program, and the engine is not
-    // built again for each of the two in turn.
+    // Both packages are named. Their dependencies then have the same features, and the engine is not built twice.
     let mut cargo = cargo(workspace);
     cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", name, "--bin", name]);
     run(&mut cargo, "cargo build")?;

@@ -1,19 +1,19 @@
-//! CSV files that a user writes: inputs over time, points of a study.
+//! CSV files of users: inputs over time, points of a study.
 //!
-//! In: a path. Out: the names of the columns and the lines, without blanks around and without an editor's byte order
-//! mark. It must not know what a column means.
+//! In: a path. Out: the names of the columns and the lines, without surrounding blanks and without a byte order mark.
+//! The module must not know what a column means.
 
 use anyhow::{Context, Result, bail};
 use std::fs::File;
 use std::path::Path;
 
-/// Characters that separate columns in files of other programs.
+/// Characters that separate columns in the files of other programs.
 const SEPARATORS: &str = ";\t|";
 
 /// The reader after the header, and the names in it.
 ///
 /// # Errors
-/// The file cannot be read; its columns are separated by another character than the comma.
+/// The file cannot be read, or its columns are not separated by commas.
 pub fn open(path: &Path) -> Result<(csv::Reader<File>, Vec<String>)> {
     let shown = path.display();
     let mut reader = csv::ReaderBuilder::new()

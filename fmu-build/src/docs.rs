@@ -6,13 +6,13 @@ use anyhow::{Context, Result};
 pub use fmu_cli::Docs as Arguments;
 use std::process::Command;
 
-/// Environment variable that silences a notice of the theme about other programs.
+/// Environment variable that suppresses a notice of the theme about other programs.
 const NOTICE: &str = "NO_MKDOCS_2_WARNING";
 
 /// Build the site into `target/docs`, and open it if asked.
 ///
 /// # Errors
-/// The environment cannot be made; a page has a broken link or is not in the navigation; no browser opens the site.
+/// The environment cannot be created; a page has a broken link or is not in the navigation; no browser opens the site.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let root = workspace.root();
     let python = command::environment(&workspace.target("venv-docs"), &root.join("docs").join("requirements.txt"))?;

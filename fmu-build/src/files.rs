@@ -1,6 +1,7 @@
-//! Files on disk: read whole if they are regular, replaced whole or not at all.
+//! Files on disk: only regular files are read, and a file is replaced as a whole or not at all.
 //!
-//! In: paths and contents. Out: contents, or one message that names the file. It must not know what a file holds.
+//! In: paths and contents. Out: contents, or one message that names the file. The module must not know what a file
+//! contains.
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::codec::checksum::{fnv1a, xxh64};
@@ -11,17 +12,17 @@ use std::path::{Path, PathBuf};
 use std::process;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Bytes that are read at once for a sum.
+/// Number of bytes that are read at once for a checksum.
 const BLOCK: u64 = 1 << 20;
-/// End of the name of a file that is being written.
+/// End of the name of a file while it is written.
 const PARTIAL: &str = ".partial";
-/// Most names that are tried for a file that is being written; one is taken by each run of the same number that was
-/// killed on a file system without locks.
+/// Largest number of names that are tried for a file while it is written. On a file system without locks each killed
+/// run with the same number occupies one name.
 const ATTEMPTS: usize = 1000;
-/// Number of the next file that this program writes: no two have one name.
+/// Number of the next file that this program writes, so that the names differ.
 static NEXT: AtomicUsize = AtomicUsize::new(0);
 
-/// What stands at a path that is neither file nor folder, in a word.
+/// A word for the object at a path that is neither file nor folder.
 pub fn kind(metadata: &Metadata) -> &'static str {
     let of = metadata.file_type();
     if of.is_symlink() {
@@ -43,10 +44,10 @@ pub fn kind(metadata: &Metadata) -> &'static str {
     if of.is_dir() { "a folder" } else { "not a regular file" }
 }
 
-/// A sum of the content of a file of any size, in words; memory stays constant.
+/// A checksum of the content of a file of any size, as text. The memory use is constant.
 ///
 /// # Errors
-/// As [`read`].
+/// As for [`read`].
 pub fn digest(path: &Path) -> Result<String> {
     let shown = path.display();
     let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
@@ -67,10 +68,11 @@ pub fn digest(path: &Path) -> Result<String> {
     }
 }
 
-/// Content of a file. Anything else is not opened: reading a pipe could wait, and reading a device go on, for ever.
+/// Content of a file. Other objects are not opened: reading a pipe could wait without end, and reading a device could
+/// continue without end.
 ///
 /// # Errors
-/// There is no such file, it is no regular one, it has more than `largest` bytes, or it cannot be read.
+/// The file does not exist, is no regular file, has more than `largest` bytes, or cannot be read.
 pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     let shown = path.display();
     let metadata = fs::metadata(path).with_context(|| format!("{shown}: cannot be read"))?;
@@ -86,8 +88,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     fs::read(path).with_context(|| format!("{shown}: cannot be read"))
 }
 
-/// Copy a file, or a folder with all that is in it but for what programs make there: `target` of Cargo, `__pycache__`
-/// of Python.
+/// Copy a file or a folder with its content, except for generated folders: `target` of Cargo, `__pycache__` of Python.
 ///
 /// # Errors
 /// Something cannot be read or written.
@@ -106,20 +107,20 @@ pub fn copy_all(from: &Path, to: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Put a file with this content at `path`, with its folder; a file that stands there is replaced at once, or not at
-/// all. Any number of programs may do so at the same time: each writes a file of its own name, and the last one to
-/// rename its file wins.
+/// Write a file with this content to `path`, and create its folder. An existing file is replaced as a whole or not at
+/// all. Several programs may write at the same time: each writes a file with a separate name, and the last program that
+/// renames its file wins.
 ///
 /// # Errors
-/// The folder or the file cannot be written; what stood at `path` still stands there, and nothing beside it is left.
+/// The folder or the file cannot be written. The old file at `path` remains unchanged, without any additional file.
 pub fn replace(path: &Path, content: &[u8]) -> Result<()> {
     replace_with(path, |file| file.write_all(content))
 }
 
-/// Make the folder that this option of a command names, unless it is there.
+/// Create the folder that this option of a command names, unless it exists.
 ///
 /// # Errors
-/// It cannot be made.
+/// The folder cannot be created.
 pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
     fs::create_dir_all(folder).with_context(|| {
         format!("{}: the folder cannot be created; give another folder with {option}", folder.display())
@@ -129,13 +130,13 @@ pub fn make_folder(folder: &Path, option: &str) -> Result<()> {
 /// [`replace`] the file that this option of a command names.
 ///
 /// # Errors
-/// As [`replace`].
+/// As for [`replace`].
 pub fn replace_named(path: &Path, option: &str, content: &[u8]) -> Result<()> {
     make_folder(folder_of(path), option)?;
     replace(path, content)
 }
 
-/// Folder of a file; of a bare file name the present one.
+/// Folder of a file. For a file name without folder, the present folder.
 fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
@@ -156,24 +157,24 @@ pub fn unwritten(path: &Path) -> String {
     format!("{}: cannot be written; free disk space, or give another folder", path.display())
 }
 
-/// A file that is being written. At its end it takes the place of what stands at its path; until then, and where it is
-/// dropped, that stays. A pipe or a device is written to as it is.
+/// A file that is being written. At the end it replaces the file at its path. If it is dropped before, the old file
+/// remains. A pipe or a device is written directly.
 #[derive(Debug)]
 pub struct Replacement {
     file: File,
-    /// Where it is written, and the path that it takes; none of a pipe or a device.
+    /// Path during writing, and final path. None for a pipe or a device.
     paths: Option<(PathBuf, PathBuf)>,
 }
 
 impl Replacement {
-    /// Begin the file for this path, whose folder there is.
+    /// Start the file for this path, whose folder exists.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn begin(path: &Path) -> io::Result<Self> {
-        // A link to a pipe, as /dev/stdout may be one, leads to no path of a file.
+        // A link to a pipe, such as /dev/stdout, does not resolve to the path of a file.
         let is_other = fs::metadata(path).is_ok_and(|found| !found.is_file());
-        // A link to a file stays, and leads to the new file.
+        // A link to a file remains, and then points to the new file.
         let path = if path.is_symlink() && !is_other { path.canonicalize()? } else { path.to_path_buf() };
         let Some(name) = path.file_name().filter(|_| !is_other) else {
             return Ok(Self { file: OpenOptions::new().write(true).open(&path)?, paths: None });
@@ -184,18 +185,18 @@ impl Replacement {
         Ok(Self { file, paths: Some((partial, path)) })
     }
 
-    /// The file to be written to.
+    /// The file to write to.
     ///
     /// # Errors
-    /// The system has no handle left.
+    /// The system has no free handle.
     pub fn file(&self) -> io::Result<File> {
         self.file.try_clone()
     }
 
-    /// Put the file, which is written, at its path.
+    /// Move the complete file to its path.
     ///
     /// # Errors
-    /// What stands there cannot be replaced.
+    /// The old file cannot be replaced.
     pub fn finish(mut self) -> io::Result<()> {
         if let Some((partial, path)) = &self.paths {
             fs::rename(partial, path)?;
@@ -208,13 +209,13 @@ impl Replacement {
 impl Drop for Replacement {
     fn drop(&mut self) {
         if let Some((partial, _)) = &self.paths {
-            // What has ended the writing is the error to report.
+            // The reported error is the one that ended the writing.
             let _ = fs::remove_file(partial);
         }
     }
 }
 
-/// A new file for what is to become `name`, locked as long as it is open, so that nobody takes it for a leftover.
+/// A new file for the later file `name`. It is locked while it is open, so that no program takes it for a leftover.
 fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     for _ in 0..ATTEMPTS {
         let mut own = name.to_owned();
@@ -225,9 +226,9 @@ fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             Err(error) => return Err(error),
         };
-        // A file system without locks leaves leftovers, and does no harm otherwise.
+        // Without locks leftovers remain, with no other effect.
         let _ = file.lock();
-        // Before the lock another run may have taken the file for a leftover.
+        // Before the lock, another run may have removed the file as a leftover.
         if path.exists() {
             return Ok((path, file));
         }
@@ -238,15 +239,16 @@ fn begin(folder: &Path, name: &OsStr) -> io::Result<(PathBuf, File)> {
     ))
 }
 
-/// Remove what runs left that were killed while they wrote `name`: unfinished files that nobody has locked. Nothing
-/// depends on whether this succeeds.
+/// Remove the leftovers of runs that were killed while they wrote `name`: unfinished files without a lock. Errors are
+/// ignored.
 fn clear(folder: &Path, name: &OsStr) {
     for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
         if is_partial(&entry.file_name(), name)
             && entry.file_type().is_ok_and(|of| of.is_file())
             && let Ok(file) = OpenOptions::new().write(true).open(&path)
-            // The lock is held until the file is gone: whoever has just made it waits, and then sees that it is.
+            // The lock is held until the file is removed. A program that has just created the file waits, and then
+            // notices this.
             && file.try_lock().is_ok()
             && fs::remove_file(&path).is_ok()
         {
@@ -255,7 +257,7 @@ fn clear(folder: &Path, name: &OsStr) {
     }
 }
 
-/// Whether `file` is a name that [`begin`] gives to what is to become `name`.
+/// Whether `file` is a name that [`begin`] uses for the later file `name`.
 fn is_partial(file: &OsStr, name: &OsStr) -> bool {
     let (Some(file), Some(name)) = (file.to_str(), name.to_str()) else { return false };
     let middle = file.strip_prefix(name).and_then(|rest| rest.strip_prefix('.')?.strip_suffix(PARTIAL));
@@ -283,7 +285,7 @@ mod tests {
         names
     }
 
-    /// On a full disk what stood there stays, nothing is left beside it, and one message says it.
+    /// On a full disk the old file remains, no additional file is left, and one message reports the error.
     #[test]
     fn a_disk_that_fills_up_changes_nothing() {
         let folder = folder("full");
@@ -309,7 +311,7 @@ mod tests {
         for name in ["A.fmu.123-0.partial", "B.fmu.123-0.partial", "A.fmu.partial.txt", "A.fmu.x-0.partial"] {
             fs::write(folder.join(name), "left").unwrap();
         }
-        // A run that goes on keeps its lock.
+        // An active run keeps its lock.
         let (alive, file) = begin(&folder, OsStr::new("A.fmu")).unwrap();
         replace(&folder.join("A.fmu"), b"new").unwrap();
         assert!(alive.exists());

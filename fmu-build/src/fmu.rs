@@ -1,6 +1,6 @@
-//! An FMU that was packed, as an archive.
+//! A packed FMU as an archive.
 //!
-//! In: its path. Out: the names of its entries, their contents, the definition in it. It must not know XML.
+//! In: its path. Out: the names and contents of its entries, and its definition. The module must not know XML.
 
 use crate::{files, headers};
 use anyhow::{Context, Result, bail};
@@ -10,7 +10,7 @@ use std::io::{Cursor, Read};
 use std::path::Path;
 use zip::ZipArchive;
 
-/// Largest FMU that is read, and largest entry of it that is unpacked [bytes].
+/// Largest FMU and largest unpacked entry that are read [bytes].
 const LARGEST_FMU: u64 = 1 << 30;
 /// Folder of the definition, in a model's folder and in an FMU.
 pub const RESOURCES: &str = "resources";
@@ -19,15 +19,15 @@ pub const RESOURCES: &str = "resources";
 pub struct Fmu {
     shown: String,
     names: Vec<String>,
-    /// What is wrong with the archive's headers.
+    /// Faults in the headers of the archive.
     faults: Vec<String>,
     archive: ZipArchive<Cursor<Vec<u8>>>,
 }
 
-/// The text of a definition, wherever it is.
+/// The text of a definition from any source.
 #[derive(Clone, Debug)]
 pub struct Definition {
-    /// Where the definition is, as messages name it.
+    /// Path of the definition in messages.
     pub shown: String,
     /// Name of the definition file of its kind of model.
     pub kind: &'static str,
@@ -44,7 +44,7 @@ impl Fmu {
     /// Open the archive.
     ///
     /// # Errors
-    /// The file cannot be read, or is no archive.
+    /// The file cannot be read, or is no zip archive.
     pub fn open(path: &Path) -> Result<Self> {
         let shown = path.display().to_string();
         let bytes = files::read(path, LARGEST_FMU)?;
@@ -56,7 +56,7 @@ impl Fmu {
         Ok(Self { shown, names, faults, archive })
     }
 
-    /// Where the FMU is, as messages name it.
+    /// Path of the FMU in messages.
     pub fn shown(&self) -> &str {
         &self.shown
     }
@@ -66,15 +66,15 @@ impl Fmu {
         &self.names
     }
 
-    /// What is wrong with the headers of the archive, each in a line.
+    /// Faults in the headers of the archive, one per line.
     pub fn faults(&self) -> &[String] {
         &self.faults
     }
 
-    /// Content of an entry; None if there is none of this name.
+    /// Content of an entry. None if no entry has this name.
     ///
     /// # Errors
-    /// The entry is damaged, or larger than this.
+    /// The entry is damaged, or larger than `largest`.
     pub fn read(&mut self, name: &str) -> Result<Option<Vec<u8>>> {
         self.read_up_to(name, LARGEST_FMU)
     }
@@ -93,10 +93,10 @@ impl Fmu {
         Ok(Some(bytes))
     }
 
-    /// Text of an entry; None if there is none of this name.
+    /// Text of an entry. None if no entry has this name.
     ///
     /// # Errors
-    /// As [`Self::read`]; it is not UTF-8.
+    /// As for [`Self::read`], or the entry is not UTF-8.
     pub fn text(&mut self, name: &str) -> Result<Option<String>> {
         let bytes = self.read_up_to(name, LARGEST_FMU)?;
         bytes.map(|bytes| self.utf8(name, bytes)).transpose()
@@ -106,10 +106,10 @@ impl Fmu {
         String::from_utf8(bytes).ok().with_context(|| format!("{}: {name} is not UTF-8 text", self.shown))
     }
 
-    /// The definition in it; None in an FMU of another program.
+    /// The definition in the FMU. None in an FMU of another program.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The definition cannot be read.
     pub fn find_definition(&mut self) -> Result<Option<Definition>> {
         for kind in Component::definition_files() {
             let name = format!("{RESOURCES}/{kind}");
@@ -121,10 +121,10 @@ impl Fmu {
         Ok(None)
     }
 
-    /// The definition in it.
+    /// The definition in the FMU.
     ///
     /// # Errors
-    /// There is none, as in an FMU of another program; it cannot be read.
+    /// The FMU has no definition, as an FMU of another program, or the definition cannot be read.
     pub fn definition(&mut self) -> Result<Definition> {
         if let Some(definition) = self.find_definition()? {
             return Ok(definition);

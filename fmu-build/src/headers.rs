@@ -1,26 +1,26 @@
-//! The headers of a zip as they stand in the file. A zip lists its entries at its end, and each entry has a header of
-//! its own too: readers that unpack while they receive see the second, all others the first.
+//! The headers of a zip. A zip contains a list of entries at its end, and a second header in front of each entry.
+//! Readers that unpack a stream use the second headers, all others use the list.
 //!
-//! In: the bytes of a zip. Out: entries that stand twice, and those whose two headers differ.
+//! In: the bytes of a zip. Out: duplicate entries, and entries whose two headers differ.
 
 use std::collections::HashSet;
 
-/// Beginning of the end of the list, of an entry in the list, and of an entry's own header.
+/// First bytes of the end of the list, of an entry in the list, and of an entry's own header.
 const END: &[u8] = b"PK\x05\x06";
 const LISTED: &[u8] = b"PK\x01\x02";
 const OWN: &[u8] = b"PK\x03\x04";
-/// Lengths of the two headers up to the name.
+/// Lengths of the two headers without the name.
 const LISTED_LENGTH: usize = 46;
 const OWN_LENGTH: usize = 30;
 /// Flag of an entry whose sizes and check sum follow its content.
 const SIZES_FOLLOW: usize = 1 << 3;
-/// Stands for a size that is written elsewhere.
+/// Marks a size that is stored elsewhere.
 const ELSEWHERE: usize = 0xffff_ffff;
-/// What both headers state: the word, place in the list, place in the own header, number of bytes.
+/// Fields of both headers: name, offset in the list, offset in the own header, number of bytes.
 const FIELDS: [(&str, usize, usize, usize); 4] =
     [("method", 10, 8, 2), ("check sum", 16, 14, 4), ("packed size", 20, 18, 4), ("size", 24, 22, 4)];
 
-/// What is wrong with the headers, each in a line.
+/// Faults in the headers, one per line.
 pub fn faults(zip: &[u8]) -> Vec<String> {
     let mut faults = Vec::new();
     if read(zip, &mut faults).is_none() {
@@ -29,12 +29,12 @@ pub fn faults(zip: &[u8]) -> Vec<String> {
     faults
 }
 
-/// A number of so many bytes, the lowest first.
+/// A number with this number of bytes, the lowest first.
 fn number(bytes: &[u8], at: usize, count: usize) -> Option<usize> {
     Some(bytes.get(at..at + count)?.iter().rev().fold(0, |value, byte| value << 8 | usize::from(*byte)))
 }
 
-/// Compare the headers of all entries; None where the list ends before its time.
+/// Compare the headers of all entries. None if the list is truncated.
 fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
     let end = zip.windows(END.len()).rposition(|bytes| bytes == END)?;
     let (count, mut at) = (number(zip, end + 10, 2)?, number(zip, end + 16, 4)?);
@@ -61,7 +61,7 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
     Some(())
 }
 
-/// The first thing in which an entry's own header differs from that in the list.
+/// The first field in which an entry's own header differs from the list.
 fn difference(listed: &[u8], own: &[u8], name: &[u8]) -> Option<&'static str> {
     let own_name = number(own, 26, 2).and_then(|length| own.get(OWN_LENGTH..OWN_LENGTH + length));
     if own_name != Some(name) {
@@ -91,13 +91,13 @@ mod tests {
         zip.finish().unwrap().into_inner()
     }
 
-    /// Places of these bytes.
+    /// Offsets of these bytes.
     fn places(zip: &[u8], bytes: &[u8]) -> Vec<usize> {
         (0..zip.len()).filter(|at| zip[*at..].starts_with(bytes)).collect()
     }
 
     #[test]
-    fn headers_that_differ_and_names_that_stand_twice_are_found() {
+    fn different_headers_and_duplicate_names_are_found() {
         assert_eq!(faults(&zip()), Vec::<String>::new());
         let [own, listed] = places(&zip(), b"entry2")[..] else { panic!("two headers") };
         for (at, what) in

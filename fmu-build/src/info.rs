@@ -1,7 +1,7 @@
-//! `cargo fmu info`: what a model offers to a host.
+//! `cargo fmu info`: the interface of a model.
 //!
-//! In: an FMU of any program, or a definition. Out: the content of its `modelDescription.xml`, of a definition the one
-//! that packing would write, in words or as JSON.
+//! In: an FMU of any program, or a definition. Out: the content of its `modelDescription.xml` (for a definition, the
+//! one that packing would write), as text or as JSON.
 
 use crate::archive::MODEL_DESCRIPTION;
 use crate::binary;
@@ -28,43 +28,43 @@ const CAUSALITIES: [(&str, &str); 5] = [
     ("", "Other variables"),
 ];
 
-/// What is told.
+/// The printed data.
 #[derive(Serialize)]
-struct Told {
+struct Info {
     file: String,
-    /// Definition file of the kind of model; none in an FMU of another program.
+    /// Definition file of the kind of model. None in an FMU of another program.
     definition: Option<String>,
     /// Platforms of the libraries in an FMU.
     platforms: Vec<String>,
-    /// What the libraries need of the machine that loads them.
+    /// Requirements of the libraries on the machine that loads them.
     needs: BTreeMap<String, Needs>,
     #[serde(flatten)]
     description: Description,
 }
 
-/// Print what the model offers.
+/// Print the interface of the model.
 ///
 /// # Errors
-/// The path leads to no model, or its description cannot be read.
+/// The path contains no model, or its description cannot be read.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
-    let told = told(workspace, &arguments.path)?;
+    let info = info(workspace, &arguments.path)?;
     match arguments.json {
-        true => println!("{}", serde_json::to_string_pretty(&told)?),
-        false => print!("{}", words(&told)),
+        true => println!("{}", serde_json::to_string_pretty(&info)?),
+        false => print!("{}", words(&info)),
     }
     Ok(())
 }
 
-/// What the model offers, in words and as JSON.
+/// The interface of the model, as text and as JSON.
 ///
 /// # Errors
-/// As [`run`].
+/// As for [`run`].
 pub fn of(workspace: &Workspace, path: &Path) -> Result<(String, String)> {
-    let told = told(workspace, path)?;
-    Ok((words(&told), serde_json::to_string(&told)?))
+    let info = info(workspace, path)?;
+    Ok((words(&info), serde_json::to_string(&info)?))
 }
 
-fn told(workspace: &Workspace, path: &Path) -> Result<Told> {
+fn info(workspace: &Workspace, path: &Path) -> Result<Info> {
     Ok(if fmu::is_fmu(path) {
         of_fmu(Fmu::open(path)?)?
     } else {
@@ -73,7 +73,7 @@ fn told(workspace: &Workspace, path: &Path) -> Result<Told> {
             .with_context(|| format!("{shown}; `{} check` prints the details", workspace.program()))?;
         let description =
             Description::parse(&fmi2::to_xml(&component, Naming::default()).with_context(|| shown.clone())?)?;
-        Told {
+        Info {
             file: shown,
             definition: Some(kind.to_owned()),
             platforms: Vec::new(),
@@ -83,7 +83,7 @@ fn told(workspace: &Workspace, path: &Path) -> Result<Told> {
     })
 }
 
-fn of_fmu(mut fmu: Fmu) -> Result<Told> {
+fn of_fmu(mut fmu: Fmu) -> Result<Info> {
     let description = description(&mut fmu)?;
     let definition =
         Component::definition_files().into_iter().find(|file| fmu.names().iter().any(|n| n.ends_with(file)));
@@ -95,10 +95,11 @@ fn of_fmu(mut fmu: Fmu) -> Result<Told> {
             needs.insert(platform.clone(), found);
         }
     }
-    Ok(Told { file, definition, platforms, needs, description })
+    Ok(Info { file, definition, platforms, needs, description })
 }
 
-/// What the library of a platform needs; none if it needs nothing, or is none: `validate` tells that.
+/// Requirements of the library for a platform. None without requirements, or if the file is no library, which
+/// `validate` reports.
 fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Option<Needs> {
     let path = binary::path(platform, description.interfaces.values().next()?)?;
     let needs = Needs::of(&fmu.read(&path).ok()??).ok()?;
@@ -108,7 +109,7 @@ fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Op
 /// The description in an FMU.
 ///
 /// # Errors
-/// There is none, or it cannot be read.
+/// The FMU has no description, or it cannot be read.
 pub fn description(fmu: &mut Fmu) -> Result<Description> {
     let shown = fmu.shown().to_owned();
     let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: contains no {MODEL_DESCRIPTION}"))?;
@@ -129,23 +130,23 @@ pub fn platforms(fmu: &Fmu) -> Vec<String> {
     found
 }
 
-fn words(told: &Told) -> String {
-    let Told { description, .. } = told;
+fn words(info: &Info) -> String {
+    let Info { description, .. } = info;
     let mut out = String::new();
     let mut line = |name: &str, text: String| {
         if !text.is_empty() {
             let _ = writeln!(out, "{name:<13}{text}");
         }
     };
-    line("file", told.file.clone());
+    line("file", info.file.clone());
     line("name", description.name.clone());
     line("description", description.description.clone());
-    line("definition", told.definition.clone().unwrap_or_default());
+    line("definition", info.definition.clone().unwrap_or_default());
     line("FMI", description.fmi_version.clone());
     line("interfaces", description.interfaces.keys().cloned().collect::<Vec<_>>().join(", "));
     line("GUID", description.guid.clone());
     line("written by", description.generation_tool.clone());
-    let platforms = told.platforms.iter().map(|platform| match told.needs.get(platform) {
+    let platforms = info.platforms.iter().map(|platform| match info.needs.get(platform) {
         Some(needs) => format!("{platform} ({})", needs.words()),
         None => platform.clone(),
     });
@@ -180,8 +181,8 @@ fn experiment(description: &Description) -> String {
         ("with steps of", experiment.step_size, " s"),
         ("tolerance", experiment.tolerance, ""),
     ];
-    let told = parts.iter().filter_map(|(word, value, unit)| value.map(|value| format!("{word} {value:?}{unit}")));
-    told.collect::<Vec<_>>().join(" ")
+    let shown = parts.iter().filter_map(|(word, value, unit)| value.map(|value| format!("{word} {value:?}{unit}")));
+    shown.collect::<Vec<_>>().join(" ")
 }
 
 /// A line for each variable: name, start value, unit, description.

@@ -2,7 +2,7 @@
 //!
 //! In: the command line. Out: files under `target/`.
 
-// First, as its macros stand for those of std in all modules below it.
+// This module is the first one, because its macros replace those of std in all later modules.
 #[macro_use]
 pub mod output;
 

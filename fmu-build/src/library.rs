@@ -16,16 +16,16 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// The package of the program that runs now. Built together with it, the library has the engine that this program has
-/// been built with; by itself it might ask for other features of the dependencies, and all would be compiled again.
+/// The package of the running program. Built together with it, the library shares the compiled engine. Built alone, the
+/// library might need other features of the dependencies, and everything would be compiled again.
 const PROGRAM: &str = env!("CARGO_PKG_NAME");
 
-/// How the library is built for another machine.
+/// Build settings for another machine.
 #[derive(Debug)]
 pub struct Target {
-    /// Cargo's subcommand: `build`, or one that links in another way.
+    /// Cargo's subcommand: `build`, or a subcommand that links differently.
     pub subcommand: &'static str,
-    /// Rust's name for the machine, as this subcommand takes it.
+    /// Rust's name for the machine, in the form for this subcommand.
     pub triple: String,
     /// Extension of its shared libraries.
     pub extension: &'static str,
@@ -35,11 +35,10 @@ pub struct Target {
     pub variables: Vec<(String, OsString)>,
 }
 
-/// Build a library in release and read it: with `target`, a triple of Rust, for another machine, for which Cargo gets
-/// the further arguments and variables; `extension` is that of its shared libraries.
+/// Build a library in release mode and read it. With `target` it is built for another machine.
 ///
 /// # Errors
-/// The build fails, or it names no shared library.
+/// The build fails, or its output names no shared library.
 pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Target>) -> Result<Vec<u8>> {
     let package = library.package;
     let extension = target.map_or(DLL_EXTENSION, |target| target.extension);
@@ -58,7 +57,7 @@ pub fn build(workspace: &Workspace, library: &SharedLibrary, target: Option<&Tar
     Ok(content)
 }
 
-/// The call of Cargo that builds a library; `target` as for [`build`].
+/// The call of Cargo that builds a library. `target` is as for [`build`].
 pub fn command(workspace: &Workspace, library: &SharedLibrary, target: Option<&Target>) -> Command {
     let mut cargo = command::cargo(workspace);
     cargo.arg(target.map_or("build", |target| target.subcommand));
@@ -73,7 +72,7 @@ pub fn command(workspace: &Workspace, library: &SharedLibrary, target: Option<&T
     cargo
 }
 
-/// The library of this name and extension among Cargo's messages, one JSON object a line.
+/// The path of the library with this name and extension in Cargo's messages, one JSON object per line.
 pub fn artifact(messages: &str, name: &str, extension: &str) -> Option<PathBuf> {
     messages
         .lines()

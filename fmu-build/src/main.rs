@@ -11,7 +11,7 @@ fn main() -> ExitCode {
     task::run(&Workspace::locate(), Cli::parse_from(words::given()), elsewhere)
 }
 
-/// A task that this program does not have.
+/// Answer to a task that this program does not have.
 fn elsewhere(_: &Workspace, task: Task) -> ExitCode {
     let name = task.program().name();
     task::refused(&anyhow!("{name} does this task: run `cargo fmu`, or `cargo run --release --package {name} --`"))

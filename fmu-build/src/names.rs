@@ -1,26 +1,26 @@
-//! Names of files that every system can unpack, Windows among them.
+//! File names that every system can unpack, including Windows.
 //!
-//! In: paths in a zip. Out: the first that some system refuses, with what to do.
+//! In: paths in a zip. Out: the first path that some system rejects, with a remedy.
 
 use anyhow::{Result, bail};
 use std::collections::HashMap;
 
-/// Longest path in a zip, in units of UTF-16: Windows allows 260 for the path of a file with the folder into which the
-/// zip is unpacked and an end mark.
+/// Longest path in a zip, in UTF-16 units. Windows allows 260 units for the path of a file including the folder into
+/// which the zip is unpacked and an end mark.
 pub const LONGEST: usize = 240;
-/// Longest name of one file or folder, in bytes: what Linux allows; in units of UTF-16, of which there are fewer, what
-/// Windows and macOS allow.
+/// Longest name of one file or folder in bytes, the limit of Linux. Windows and macOS limit the number of UTF-16 units,
+/// which is smaller.
 const LONGEST_NAME: usize = 255;
-/// Characters that no name has on Windows, besides control characters.
+/// Characters that Windows does not allow in names, besides control characters.
 const FORBIDDEN: &str = "<>:\"\\|?*";
-/// Names of devices of Windows, in any case and before any extension; COM and LPT are followed by a digit.
+/// Names of devices of Windows, in any case and with any extension. COM and LPT are followed by a digit.
 const DEVICES: [&str; 6] = ["CON", "PRN", "AUX", "NUL", "CONIN$", "CONOUT$"];
 const NUMBERED_DEVICES: [&str; 2] = ["COM", "LPT"];
 
 /// Check one path in a zip, with `/` between its parts.
 ///
 /// # Errors
-/// The path leads out of its folder, is too long, or a part of it is a name that Windows does not take.
+/// The path leads out of its folder, is too long, or contains a name that Windows does not allow.
 pub fn check(path: &str) -> Result<()> {
     if path.starts_with('/') || path.split('/').any(|name| name == "..") {
         bail!(
@@ -42,7 +42,7 @@ pub fn check(path: &str) -> Result<()> {
     })
 }
 
-/// What is wrong with a name.
+/// The fault of a name.
 fn fault(name: &str) -> Option<String> {
     if name.is_empty() || name == "." {
         return Some(format!("the path contains the folder or file name \"{name}\""));
@@ -67,8 +67,8 @@ fn fault(name: &str) -> Option<String> {
     None
 }
 
-/// Check that no two of these paths, nor two folders on them, differ by case only: on Windows and macOS one would
-/// replace the other.
+/// Check that no two of these paths, or of their folders, differ only by case: on Windows and macOS one would replace
+/// the other.
 ///
 /// # Errors
 /// The first such pair.
@@ -94,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_that_lead_out_are_refused() {
+    fn paths_out_of_the_folder_are_rejected() {
         for path in ["extra/../a", "../../a", "/etc/a", ".."] {
             let message = check(path).unwrap_err().to_string();
             assert!(message.contains("leads out of the folder") && !message.contains("Windows"), "{message}");
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn names_that_windows_refuses_are_refused() {
+    fn names_that_windows_does_not_allow_are_rejected() {
         for (path, words) in [
             ("documentation/CON", "CON is the name of a device"),
             ("documentation/nul.txt", "NUL is the name of a device"),
@@ -134,18 +134,18 @@ mod tests {
     }
 
     #[test]
-    fn long_paths_are_refused() {
+    fn long_paths_are_rejected() {
         let path = |n: usize| format!("extra/{}", "abcdefghi/".repeat(30))[..n].replace("i/a", "iba");
         check(&path(LONGEST)).unwrap();
         let message = check(&path(LONGEST + 1)).unwrap_err().to_string();
         assert!(message.contains("has 241 characters, but Windows can unpack at most 240"), "{message}");
-        // 80 characters of three bytes each.
+        // 86 characters of three bytes each.
         let message = check(&"\u{4e00}".repeat(86)).unwrap_err().to_string();
         assert!(message.contains("a name has 258 bytes, but at most 255"), "{message}");
     }
 
     #[test]
-    fn names_that_differ_by_case_are_refused() {
+    fn names_that_differ_by_case_are_rejected() {
         for paths in [["extra/a", "extra/A"], ["extra/Ä", "extra/ä"], ["extra/x/1", "extra/X/2"]] {
             let message = check_case(paths.into_iter()).unwrap_err().to_string();
             assert!(message.contains("differ by case only"), "{message}");

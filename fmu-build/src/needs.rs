@@ -1,8 +1,8 @@
-//! What a library of an FMU needs of the machine that loads it: on Linux a version of glibc, on Windows other
-//! libraries.
+//! Requirements of a library of an FMU on the machine that loads it: a version of glibc on Linux, other libraries on
+//! Windows.
 //!
-//! In: the bytes of a library. Out: the newest version of glibc that it asks for with the functions that do so, or the
-//! libraries that Windows does not bring along.
+//! In: the bytes of a library. Out: the newest version of glibc that it requires with the functions that require it, or
+//! the libraries that are not part of Windows.
 
 use anyhow::{Context, Result};
 use object::elf::VER_FLG_WEAK;
@@ -11,27 +11,27 @@ use object::{Endianness, FileKind, Object};
 use serde::Serialize;
 use std::collections::BTreeSet;
 
-/// What precedes the number in the name of a version of glibc.
+/// Text before the number in the name of a version of glibc.
 const GLIBC: &str = "GLIBC_";
-/// How the libraries are called that compilers for Windows bring along and Windows does not.
+/// Prefixes of libraries that compilers for Windows provide, but Windows does not.
 const NOT_OF_WINDOWS: [&str; 3] = ["libgcc", "libwinpthread", "libstdc++"];
 
-/// What a library needs.
+/// Requirements of a library.
 #[derive(Debug, Default, PartialEq, Serialize)]
 pub struct Needs {
-    /// Oldest glibc on which the library loads, such as 2.17; none if it asks for no version.
+    /// Oldest glibc with which the library loads, such as 2.17. None if it requires no version.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub glibc: Option<String>,
-    /// Functions that ask for this version.
+    /// Functions that require this version.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub functions: Vec<String>,
-    /// Libraries that must lie beside it.
+    /// Libraries that must be next to it.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub libraries: Vec<String>,
 }
 
 impl Needs {
-    /// What the library needs; nothing is told of macOS's.
+    /// Requirements of a library. Libraries of macOS have none here.
     ///
     /// # Errors
     /// The file is damaged.
@@ -43,7 +43,7 @@ impl Needs {
         }
     }
 
-    /// In words, empty if nothing is needed.
+    /// The requirements as text. Empty if there are none.
     pub fn words(&self) -> String {
         let mut parts = Vec::new();
         if let Some(version) = &self.glibc {
@@ -64,7 +64,7 @@ fn of_linux(file: &ElfFile64<Endianness>, content: &[u8]) -> Result<Needs> {
         while let Some((_, mut versions)) = needs.next()? {
             while let Some(version) = versions.next()? {
                 let name = str::from_utf8(version.name(endian, strings)?).context("a version is not text")?;
-                // What is only asked for weakly may be absent.
+                // A weak requirement may be missing.
                 let is_weak = version.vna_flags.get(endian).contains(VER_FLG_WEAK);
                 if let Some(number) = name.strip_prefix(GLIBC)
                     && !is_weak
@@ -80,7 +80,7 @@ fn of_linux(file: &ElfFile64<Endianness>, content: &[u8]) -> Result<Needs> {
     Ok(Needs { glibc: Some(newest.to_owned()), functions, libraries: Vec::new() })
 }
 
-/// Names of the functions of this version that a library asks for, in the order of the alphabet.
+/// Names of the functions of this version that a library requires, in alphabetical order.
 fn functions(file: &ElfFile64<Endianness>, content: &[u8], version: &str) -> Result<BTreeSet<String>> {
     let (endian, symbols) = (file.endian(), file.elf_dynamic_symbol_table());
     let mut found = BTreeSet::new();
@@ -96,7 +96,7 @@ fn functions(file: &ElfFile64<Endianness>, content: &[u8], version: &str) -> Res
     Ok(found)
 }
 
-/// The numbers of a version, to compare: 2.9 is older than 2.17.
+/// The numbers of a version, for comparison: 2.9 is older than 2.17.
 pub fn parts(version: &str) -> Vec<u32> {
     version.split('.').map(|part| part.parse().unwrap_or(0)).collect()
 }
@@ -121,7 +121,7 @@ mod tests {
         assert!(parts("2.9") < parts("2.17") && parts("2.2.5") < parts("2.3") && parts("2.35") == parts("2.35"));
     }
 
-    /// This program itself asks for functions of the glibc that it was linked with.
+    /// This program itself requires functions of the glibc with which it was linked.
     #[test]
     #[cfg(all(target_os = "linux", target_env = "gnu", target_pointer_width = "64"))]
     fn a_program_for_linux_needs_glibc() {
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         assert!(Needs::of(b"").is_err() && Needs::of(&[0x7f, b'E', b'L', b'F', 2, 1]).is_err());
     }
 }

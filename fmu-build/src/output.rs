@@ -1,8 +1,8 @@
-//! What the commands print, through `print!` and its like, which stand here in the place of those of std.
+//! The output of the commands, through `print!` and similar macros, which replace those of std.
 //!
-//! In: texts. Out: standard output and standard error. A closed pipe takes no more text and is no fault, so that a task
-//! is done whole whoever reads of it; a full disk fails the command at its end. Control characters, which could move
-//! the cursor of a terminal, are printed as escapes.
+//! In: texts. Out: standard output and standard error. A closed pipe is no error: the text is discarded, and the task
+//! is completed. A full disk is an error at the end of the command. Control characters, which could move the cursor of
+//! a terminal, are printed as escapes.
 
 use anyhow::{Result, bail};
 use std::cell::RefCell;
@@ -10,46 +10,46 @@ use std::fmt::{Arguments, Write as _};
 use std::io::{self, ErrorKind, Write};
 use std::sync::OnceLock;
 
-/// Why standard output could not be written, the first time.
+/// Reason of the first failure to write to standard output.
 static FAILED: OnceLock<String> = OnceLock::new();
 
-/// As std's `print!`, without a panic.
+/// Like std's `print!`, without a panic.
 #[macro_export]
 macro_rules! print {
     ($($text:tt)*) => { $crate::output::out(format_args!($($text)*)) };
 }
 
-/// As std's `println!`, without a panic.
+/// Like std's `println!`, without a panic.
 #[macro_export]
 macro_rules! println {
     ($($text:tt)*) => { $crate::output::out(format_args!("{}\n", format_args!($($text)*))) };
 }
 
-/// As std's `eprint!`, without a panic.
+/// Like std's `eprint!`, without a panic.
 #[macro_export]
 macro_rules! eprint {
     ($($text:tt)*) => { $crate::output::error(format_args!($($text)*)) };
 }
 
-/// As std's `eprintln!`, without a panic.
+/// Like std's `eprintln!`, without a panic.
 #[macro_export]
 macro_rules! eprintln {
     ($($text:tt)*) => { $crate::output::error(format_args!("{}\n", format_args!($($text)*))) };
 }
 
 thread_local! {
-    /// What this thread prints, while it is collected.
+    /// The output of this thread, while it is collected.
     static COLLECTED: RefCell<Option<String>> = const { RefCell::new(None) };
 }
 
-/// The answer of a function, and all that it prints on this thread instead of printing it.
+/// The result of a function, and the text that it would have printed on this thread.
 pub fn collected<T>(body: impl FnOnce() -> T) -> (T, String) {
     COLLECTED.set(Some(String::new()));
     let answer = body();
     (answer, COLLECTED.take().unwrap_or_default())
 }
 
-/// Keep a text, if this thread collects what it prints.
+/// Keep a text if this thread collects its output. Returns whether it does.
 fn collect(text: &str) -> bool {
     COLLECTED.with_borrow_mut(|all| all.as_mut().map(|all| all.push_str(text)).is_some())
 }
@@ -62,7 +62,7 @@ pub fn out(text: Arguments) {
     }
 }
 
-/// Print to standard error; where that cannot be written, there is nobody to report it to.
+/// Print to standard error. Errors are ignored, because there is no other place to report them.
 pub fn error(text: Arguments) {
     let text = plain(text);
     if !collect(&text) {
@@ -70,10 +70,10 @@ pub fn error(text: Arguments) {
     }
 }
 
-/// Whether all that was printed is written.
+/// Check that all printed text was written.
 ///
 /// # Errors
-/// Standard output could not be written, for another reason than a pipe that its reader has closed.
+/// Standard output could not be written, except for a pipe that its reader has closed.
 pub fn finish() -> Result<()> {
     note(io::stdout().flush());
     match FAILED.get() {
@@ -90,7 +90,7 @@ fn note(written: io::Result<()>) {
     }
 }
 
-/// The text with its control characters as escapes, but for ends of lines and tabs.
+/// The text with its control characters as escapes, except line ends and tabs.
 fn plain(text: Arguments) -> String {
     let text = text.to_string();
     let is_hidden = |c: char| c.is_control() && c != '\n' && c != '\t';

@@ -1,6 +1,6 @@
-//! `cargo fmu package`: a definition becomes an FMU.
+//! `cargo fmu package`: packs a definition as an FMU.
 //!
-//! In: a definition file of any kind of model. Out: `<Name>.fmu`, of FMI 3.0 `<Name>.fmi3.fmu`, and for a folder of
+//! In: a definition file of any kind of model. Out: `<Name>.fmu`, `<Name>.fmi3.fmu` for FMI 3.0, and for a folder of
 //! `modelDescription/` its `modelDescription.xml`.
 
 use crate::archive::{self, Entry, MODEL_DESCRIPTION};
@@ -24,21 +24,21 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A checked definition, ready to be packed.
+/// A checked definition before packing.
 struct Prepared {
     source: Source,
     name: String,
-    /// The definition, with what was found in it.
+    /// The definition with its findings.
     checked: Checked,
     component: Component,
-    /// Text about the model beside the definition.
+    /// Text of the README next to the definition.
     readme: Option<String>,
     /// The description of FMI 2.0.
     description: String,
     terminals: String,
 }
 
-/// What all FMUs of one call have in common.
+/// Common data of all FMUs of one call.
 struct Common<'a> {
     workspace: &'a Workspace,
     /// The libraries, for each platform and each kind of model that is packed.
@@ -54,10 +54,10 @@ struct Common<'a> {
     out: PathBuf,
 }
 
-/// Pack the definitions; the paths of the FMUs, in the order of the arguments, those of FMI 2.0 first.
+/// Pack the definitions. Returns the paths of the FMUs in the order of the arguments, FMI 2.0 first.
 ///
 /// # Errors
-/// Definitions that are refused, all of them told before anything is built or written.
+/// The rejected definitions. All of them are reported before anything is built or written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>> {
     if arguments.ssp && arguments.fmi == Fmi::Three {
         bail!("--ssp with --fmi 3: the system contains FMUs of FMI 2.0; remove --fmi, or write --fmi 2");
@@ -106,7 +106,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Vec<PathBuf>>
     Ok(paths)
 }
 
-/// The definitions and the systems to be packed; those that cannot be read are refused.
+/// Read the definitions and the systems. Unreadable ones are added to `refused`.
 fn read(workspace: &Workspace, arguments: &Arguments, refused: &mut Vec<String>) -> Result<(Vec<Source>, Vec<System>)> {
     let paths = match arguments {
         Arguments { all: true, .. } => workspace.description_folders()?,
@@ -132,7 +132,7 @@ fn read(workspace: &Workspace, arguments: &Arguments, refused: &mut Vec<String>)
             Ok((system, own)) => {
                 systems.push(system);
                 for source in own {
-                    // Two FMUs of a system, or of two systems, may have one definition.
+                    // Two FMUs of one or several systems may have the same definition.
                     if sources.iter().all(|other| ssp::full(&other.definition) != ssp::full(&source.definition)) {
                         sources.push(source);
                     }
@@ -144,7 +144,7 @@ fn read(workspace: &Workspace, arguments: &Arguments, refused: &mut Vec<String>)
     Ok((sources, systems))
 }
 
-/// The checked definitions. Those with errors are refused, and two of one name.
+/// The checked definitions. Definitions with errors and duplicate names are added to `refused`.
 fn prepare_all(sources: Vec<Source>, refused: &mut Vec<String>) -> Vec<Prepared> {
     let mut definitions: HashMap<String, PathBuf> = HashMap::new();
     let mut prepared = Vec::new();
@@ -173,13 +173,13 @@ fn prepare_all(sources: Vec<Source>, refused: &mut Vec<String>) -> Vec<Prepared>
     prepared
 }
 
-/// The systems with the models of their FMUs. Those with errors are refused, and two of one name.
+/// The systems with the models of their FMUs. Systems with errors and duplicate names are added to `refused`.
 fn packages(systems: &[System], prepared: &[Prepared], refused: &mut Vec<String>) -> Vec<Packable> {
     let mut packages: Vec<Packable> = Vec::new();
     for system in systems {
         let model = |file: &PathBuf| prepared.iter().find(|fmu| ssp::full(&fmu.source.definition) == *file);
         let models = system.files.iter().map(|file| Some(&model(file)?.component)).collect::<Option<Vec<_>>>();
-        // A definition with errors is refused already.
+        // A definition with errors is already in `refused`.
         let Some(models) = models else { continue };
         match system.packable(&models) {
             Ok(package) if packages.iter().any(|other| other.name == package.name) => refused.push(format!(
@@ -196,7 +196,7 @@ fn packages(systems: &[System], prepared: &[Prepared], refused: &mut Vec<String>
     packages
 }
 
-/// Pack the default FMU, of FMI 2.0; its path.
+/// Pack the default FMU of FMI 2.0. Returns its path.
 ///
 /// # Errors
 /// As for [`run`].
@@ -204,10 +204,10 @@ pub fn default(workspace: &Workspace) -> Result<PathBuf> {
     run(workspace, &Arguments::of_fmi_2())?.pop().context("no FMU was packed")
 }
 
-/// The libraries asked for, those that were built elsewhere first.
+/// The requested libraries. Libraries built elsewhere are first.
 ///
 /// # Errors
-/// One of them cannot be had, or is for no platform.
+/// A library is not available, or is for no platform.
 pub(crate) fn libraries(
     workspace: &Workspace,
     arguments: &Arguments,
@@ -218,7 +218,7 @@ pub(crate) fn libraries(
     Ok(binaries)
 }
 
-/// The libraries that were built elsewhere.
+/// The libraries built elsewhere.
 fn further(arguments: &Arguments) -> Result<Vec<Binary>> {
     let built = platform::folders(arguments)?;
     let mut binaries: Vec<Binary> = Vec::new();
@@ -236,7 +236,7 @@ fn further(arguments: &Arguments) -> Result<Vec<Binary>> {
     Ok(binaries)
 }
 
-/// The checked definition of a source; none if it has errors, which are printed.
+/// The checked definition of a source. None if it has errors, which are printed.
 fn prepare(source: Source) -> Result<Option<Prepared>> {
     let path = source.definition.display();
     let definition = source.text()?;
@@ -250,7 +250,7 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
     let description = fmi2::to_xml(&component, Naming::default()).with_context(|| path.to_string())?;
     let name = component.name().to_owned();
     if let Some(folder) = source.folder.as_deref().filter(|_| source.keeps_description) {
-        // A name such as `.` says nothing; the full path does.
+        // A name such as `.` contains no information, the full path does.
         let folder = folder.canonicalize()?;
         if !folder.ends_with(&name) {
             bail!(
@@ -265,7 +265,7 @@ fn prepare(source: Source) -> Result<Option<Prepared>> {
     Ok(Some(Prepared { name, checked, component, readme, description, terminals, source }))
 }
 
-/// All that an FMU says of a model: its descriptions of FMI 2.0 and 3.0, and its terminals.
+/// The descriptions of a model for FMI 2.0 and 3.0, and its terminals.
 ///
 /// # Errors
 /// The model cannot be described.
@@ -274,7 +274,7 @@ pub fn descriptions(component: &Component) -> Result<[String; 3]> {
     Ok([fmi2::to_xml(component, naming)?, fmi3::to_xml(component, naming)?, terminals::to_xml(component)?])
 }
 
-/// Write the FMUs of one model; their paths.
+/// Write the FMUs of one model. Returns their paths.
 fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     if let Some(folder) = fmu.source.folder.as_deref().filter(|_| fmu.source.keeps_description) {
         write_if_changed(&folder.join(MODEL_DESCRIPTION), &fmu.description)?;
@@ -287,7 +287,7 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     let mut generated = documentation(common, &fmu, &entries)?;
     generated.push(Entry { name: terminals::PATH.to_owned(), content: fmu.terminals.into_bytes() });
     generated.extend(licenses::entries());
-    // A file of the user's own says more than the generated one.
+    // A user's own file replaces the generated file.
     let is_own = |made: &Entry| entries.iter().any(|own| own.name == made.name);
     let (replaced, generated): (Vec<_>, Vec<_>) = generated.into_iter().partition(is_own);
     if !replaced.is_empty() {
@@ -297,8 +297,8 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     entries.extend(generated);
     let (file, library) = (fmu.component.definition_file(), served::of(&fmu.component));
     let schema = schema::name(file);
-    let definition = schema::led_here(&fmu.checked.text, &schema).into_bytes();
-    // The text in the FMU is the one that tables are of.
+    let definition = schema::with_schema_path(&fmu.checked.text, &schema).into_bytes();
+    // The tables belong to the text in the FMU.
     let packed = String::from_utf8_lossy(&definition);
     if let Some(tables) = common.tables.then(|| fmu.component.tables(&packed)).flatten() {
         entries.push(Entry { name: format!("resources/{TABLES}"), content: tables });
@@ -341,7 +341,8 @@ fn pack(common: &Common, fmu: Prepared) -> Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
-/// The files that tell of the model. Reference results of the user's own stand alone: one manifest names them.
+/// The documentation files of the model. A user's own reference results replace the generated ones, because they share
+/// one manifest.
 fn documentation(common: &Common, fmu: &Prepared, own: &[Entry]) -> Result<Vec<Entry>> {
     let shown = fmu.source.definition.display();
     let subject = Subject { checked: &fmu.checked, component: &fmu.component, readme: fmu.readme.as_deref() };
@@ -365,7 +366,7 @@ fn write_if_changed(path: &Path, text: &str) -> Result<()> {
 mod tests {
     use super::*;
 
-    /// The committed descriptions are what the engine says today.
+    /// The committed descriptions agree with the present engine.
     #[test]
     fn committed_descriptions_are_current() {
         let workspace = Workspace::locate();
@@ -386,10 +387,10 @@ mod tests {
         }
     }
 
-    /// FMI 2.0.5, 2.2.8, and FMI 3.0.2, 2.4.7: what an unknown depends on is known. That is an input; of present values
-    /// a continuous state, of initial values what has an exact start.
+    /// FMI 2.0.5, 2.2.8, and FMI 3.0.2, 2.4.7: an unknown may depend only on knowns. Knowns are inputs; for present
+    /// values also continuous states; for initial values also variables with an exact start.
     #[test]
-    fn unknowns_depend_on_what_is_known() {
+    fn dependencies_are_known_variables() {
         let workspace = Workspace::locate();
         for folder in workspace.description_folders().unwrap() {
             let component = prepare(Source::find(&workspace, &folder).unwrap()).unwrap().unwrap().component;
@@ -431,7 +432,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_without_a_definition_is_refused_with_the_remedy() {
+    fn a_path_without_a_definition_is_rejected_with_the_remedy() {
         let workspace = Workspace::locate();
         let message = |path: &str| Source::find(&workspace, &workspace.root().join(path)).unwrap_err().to_string();
         assert!(message("nowhere").ends_with(

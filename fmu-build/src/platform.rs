@@ -1,7 +1,7 @@
-//! The platforms whose libraries are built here, and what is missing on this machine for the others. An installation
-//! takes those that came with it.
+//! The platforms whose libraries can be built here, and the missing parts for other platforms. An installed program
+//! uses the libraries that it contains.
 //!
-//! In: the platforms asked for. Out: a library for each, or one line for each that cannot be had, with the remedy.
+//! In: the requested platforms. Out: a library for each, or a line with the reason and the remedy for each missing one.
 
 mod macos;
 mod toolchain;
@@ -25,7 +25,7 @@ pub fn folder(platform: Platform) -> &'static str {
     toolchain(platform).folder
 }
 
-/// The platforms asked for, each once; none for this machine's own alone.
+/// The requested platforms without duplicates. Empty for this machine alone.
 fn wanted(arguments: &Arguments) -> Vec<&'static Toolchain> {
     let mut wanted: Vec<&Toolchain> = Vec::new();
     for toolchain in arguments.platforms.iter().map(|platform| toolchain(*platform)) {
@@ -36,7 +36,7 @@ fn wanted(arguments: &Arguments) -> Vec<&'static Toolchain> {
     wanted
 }
 
-/// Folders in FMUs of FMI 2.0 of the libraries that are built here.
+/// Folders of the built libraries in FMUs of FMI 2.0.
 ///
 /// # Errors
 /// Two libraries for one folder; `--compatible` without a library for ARM; FMI 2.0 has no name for this system.
@@ -46,7 +46,7 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
         return Ok(vec![version::platform()?]);
     }
     let mut folders: Vec<_> = wanted.iter().map(|toolchain| toolchain.folder).collect();
-    // One file of macOS holds the libraries of both processors.
+    // One file of macOS contains the libraries of both processors.
     folders.dedup();
     if arguments.compatible {
         let Some(arm) = folders.iter_mut().find(|folder| **folder == ARM_LINUX) else {
@@ -66,20 +66,20 @@ pub fn folders(arguments: &Arguments) -> Result<Vec<&'static str>> {
     Ok(folders)
 }
 
-/// How a library is come by.
+/// Source of a library.
 enum Way {
-    /// Built, for another machine if that is told.
+    /// Built here, with a target for another machine.
     Built(Option<Target>),
-    /// Built before, in the installation in this folder.
+    /// Prebuilt, in the installation in this folder.
     Taken(PathBuf),
 }
 
-/// Build a library for each platform asked for, or take the one that came with the program; with `--available` for
-/// those that can be built here.
+/// Build a library for each requested platform, or read the library of the installation. With `--available`, missing
+/// platforms are omitted.
 ///
 /// # Errors
-/// A platform cannot be built here or did not come with the program, told for all of them before anything is built; a
-/// build fails.
+/// A platform cannot be built here or is not in the installation, reported for all platforms before anything is built;
+/// a build fails.
 pub fn build(
     workspace: &Workspace,
     arguments: &Arguments,
@@ -120,9 +120,9 @@ pub fn build(
             Way::Built(target) => library::build(workspace, library, target.as_ref())?,
             Way::Taken(root) => prebuilt::content(root, library, toolchain.folder)?,
         };
-        // A library that is built for this machine alone may need what is on it.
+        // A library for this machine only may need any library of this machine.
         if !matches!(way, Way::Built(None)) {
-            loads_widely(&content, arguments.glibc.as_deref())
+            check_portable(&content, arguments.glibc.as_deref())
                 .with_context(|| format!("the library for {}", toolchain.tuple))?;
         }
         let binary = Binary::new(toolchain.folder, content, toolchain.triple)?.of(library);
@@ -140,7 +140,7 @@ pub fn build(
     Ok(binaries)
 }
 
-/// This machine's own library, in the folder where importers on it look.
+/// The library for this machine, in the folder in which its importers look.
 fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary> {
     let content = match workspace.installation() {
         Some(root) => {
@@ -159,10 +159,10 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
     Ok(Binary::new(version::platform()?, content, "this machine's library")?.of(library))
 }
 
-/// How the library for a platform is built; None for this machine's own where that serves as Cargo builds it.
+/// The build target of the library for a platform. None for this machine, if Cargo's normal build suffices.
 ///
 /// # Errors
-/// What is missing, with the command that gives it.
+/// The missing part, with the command that installs it.
 fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> Result<Option<Target>> {
     let &Toolchain { triple, extension, .. } = toolchain;
     let glibc = glibc.filter(|_| toolchain.is_linux());
@@ -187,7 +187,7 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
 /// Both parts of a toolchain.
 ///
 /// # Errors
-/// All that is missing.
+/// All missing parts.
 fn both<A, B>(first: Result<A>, second: Result<B>) -> Result<(A, B)> {
     match (first, second) {
         (Ok(first), Ok(second)) => Ok((first, second)),
@@ -196,10 +196,10 @@ fn both<A, B>(first: Result<A>, second: Result<B>) -> Result<(A, B)> {
     }
 }
 
-/// The path on which Cargo finds the subcommand that links by zig, and that finds zig.
+/// The path on which Cargo finds zig and the subcommand that links with zig.
 ///
 /// # Errors
-/// They cannot be installed from PyPI.
+/// zig and the subcommand cannot be installed from PyPI.
 pub fn path_with_zig(workspace: &Workspace) -> Result<OsString> {
     let python = zig(workspace)?;
     let folder = python.parent().map(Path::to_path_buf).into_iter();
@@ -212,23 +212,23 @@ fn zig(workspace: &Workspace) -> Result<PathBuf> {
     command::environment(&workspace.target("venv-zig"), &requirements).context("zig")
 }
 
-/// Rust's name for this machine, for which `--glibc` asks the linker.
+/// Rust's name for this machine, which the linker needs for `--glibc`.
 ///
 /// # Errors
-/// This machine is none of those that libraries for Linux are built for.
+/// Libraries for Linux are not built for this machine.
 pub fn own_triple() -> Result<&'static str> {
     let own = [&X86_LINUX, &ARM].into_iter().find(|own| own.tuple == version::tuple());
     own.map(|own| own.triple)
         .with_context(|| format!("--glibc applies to Linux, but this machine is {}", version::tuple()))
 }
 
-/// This machine as a platform whose library has a folder of its own in FMI 2.0, if it has another one by default.
+/// The platform of this machine whose library has a separate folder in FMI 2.0, if it has another folder by default.
 pub fn own_by_name() -> Option<Platform> {
     (version::tuple() == ARM.tuple).then_some(Platform::ArmLinux)
 }
 
-/// Whether a library that was built for other machines will find there what it needs.
-fn loads_widely(content: &[u8], glibc: Option<&str>) -> Result<()> {
+/// Check that a library for other machines needs nothing special from them.
+fn check_portable(content: &[u8], glibc: Option<&str>) -> Result<()> {
     suffices(&Needs::of(content)?, glibc)
 }
 
@@ -250,14 +250,14 @@ fn suffices(needs: &Needs, glibc: Option<&str>) -> Result<()> {
     Ok(())
 }
 
-/// Arguments for Cargo with which it has the standard library: none where it is installed; a Rust that takes unstable
-/// options compiles it, if its source is there.
+/// Arguments for Cargo with which the standard library is available. None if it is installed. A Rust with unstable
+/// options can compile it, if its source is installed.
 ///
 /// # Errors
-/// Neither is there; `debian` tells how Debian gives it to its own Rust.
+/// Neither is installed. `debian` describes the packages for Debian's own Rust.
 pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>> {
-    // A toolchain that does not know the machine at all has no folder for it either.
-    if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| holds_standard_library(&folder)) {
+    // A toolchain that does not know the machine has no folder for it either.
+    if asked(&["--print", "target-libdir", "--target", triple]).is_ok_and(|folder| has_standard_library(&folder)) {
         return Ok(Vec::new());
     }
     let takes_unstable = env::var_os("RUSTC_BOOTSTRAP").is_some_and(|value| value == "1")
@@ -269,12 +269,20 @@ pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>>
     bail!("Rust has no standard library for {triple}; run: rustup target add {triple}{debian}")
 }
 
-/// What rustc answers, as a path.
+/// Whether a target is this machine.
+///
+/// # Errors
+/// rustc cannot be started.
+pub fn is_this_machine(triple: &str) -> Result<bool> {
+    Ok(asked(&["--print", "host-tuple"])?.as_os_str() == triple)
+}
+
+/// The answer of rustc as a path.
 fn asked(arguments: &[&str]) -> Result<PathBuf> {
     answer(env::var_os("RUSTC").unwrap_or_else(|| "rustc".into()), arguments)
 }
 
-/// What a program answers, as a path.
+/// The answer of a program as a path.
 fn answer(program: impl Into<OsString>, arguments: &[&str]) -> Result<PathBuf> {
     let program = program.into();
     let name = Path::new(&program).file_name().unwrap_or_default().display();
@@ -289,12 +297,12 @@ fn answer(program: impl Into<OsString>, arguments: &[&str]) -> Result<PathBuf> {
     Ok(PathBuf::from(String::from_utf8_lossy(&output.stdout).trim()))
 }
 
-fn holds_standard_library(folder: &Path) -> bool {
+fn has_standard_library(folder: &Path) -> bool {
     let names = folder.read_dir().into_iter().flatten().flatten().map(|entry| entry.file_name());
     names.into_iter().any(|name| name.to_string_lossy().starts_with("libstd-"))
 }
 
-/// Cargo's variable for the linker of this machine, with the linker that is there.
+/// Cargo's variable for the linker of a machine, with the installed linker.
 fn linker(triple: &str, (linker, package): (&str, &str)) -> Result<(String, OsString)> {
     let variable = format!("CARGO_TARGET_{}_LINKER", triple.to_uppercase().replace('-', "_"));
     let named = env::var(&variable).ok().filter(|name| !name.is_empty());
@@ -330,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn a_library_that_needs_more_than_was_asked_for_is_refused() {
+    fn a_library_that_needs_a_newer_platform_than_requested_is_rejected() {
         let needs = Needs { glibc: Some("2.35".into()), functions: vec!["hypot".into()], ..Needs::default() };
         let message = suffices(&needs, Some("2.17")).unwrap_err().to_string();
         assert!(message.contains("glibc 2.35 (for hypot), but --glibc 2.17 was given"), "{message}");
@@ -342,22 +350,22 @@ mod tests {
     }
 
     #[test]
-    fn an_old_glibc_for_windows_alone_is_refused() {
+    fn an_old_glibc_for_windows_alone_is_rejected() {
         let arguments = Arguments { glibc: Some("2.17".into()), ..asking(&[Platform::X86Windows], false) };
         let message = build(&Workspace::locate(), &arguments, &[&served::MECHANISMS]).unwrap_err().to_string();
         assert!(message.contains("--glibc 2.17 applies to libraries for Linux"), "{message}");
     }
 
-    /// The folder `linux64` cannot hold the libraries of two processors.
+    /// The folder `linux64` cannot contain the libraries of two processors.
     #[test]
-    fn two_libraries_in_one_folder_are_refused() {
+    fn two_libraries_in_one_folder_are_rejected() {
         let refused = |platforms: &[Platform]| folders(&asking(platforms, true)).unwrap_err().to_string();
         assert!(refused(&[Platform::ArmLinux, Platform::X86Linux]).contains("build two FMUs"));
         assert!(refused(&[Platform::X86Windows]).contains("add aarch64-linux to --platforms"));
     }
 
     #[test]
-    fn what_is_missing_is_named_with_the_remedy() {
+    fn a_missing_toolchain_is_an_error_with_the_remedy() {
         let named = ("no-such-linker", "gcc-aarch64-linux-gnu");
         let toolchain = Toolchain { tuple: "no", triple: "no-such-machine", linker: Some(named), ..ARM };
         let message = target(&Workspace::locate(), &toolchain, None).unwrap_err().to_string();

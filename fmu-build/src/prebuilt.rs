@@ -1,8 +1,8 @@
-//! The libraries that came with an installed program: an archive for each platform, named by its folder in FMUs of FMI
-//! 2.0, with all libraries for it.
+//! The libraries of an installed program: an archive per platform, named by its folder in FMUs of FMI 2.0, with all
+//! libraries for it.
 //!
-//! In: a platform's folder. Out: the library, or which platforms there are instead. `dist` writes the archives. It must
-//! not know how an archive is read: the host of the program states it.
+//! In: the folder of a platform. Out: the library, or a list of the available platforms. `dist` writes the archives.
+//! The module must not know how an archive is read: the host of the program provides the function.
 
 use crate::archive::BINARIES;
 use crate::binary;
@@ -12,22 +12,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// How the name of an archive ends.
+/// End of the name of an archive.
 pub const EXTENSION: &str = ".tar.xz";
 
-/// How a file of this name in an archive is read.
+/// Function that reads a file from an archive.
 type Read = fn(&Path, &str) -> Result<Vec<u8>>;
 static READ: OnceLock<Read> = OnceLock::new();
 
-/// State how archives are read.
-pub fn reads_by(read: Read) {
+/// State the function that reads archives.
+pub fn set_reader(read: Read) {
     let _ = READ.set(read);
 }
 
 /// The archive for the platform of this folder, in the installation in `root`.
 ///
 /// # Errors
-/// It did not come with the program.
+/// The installation does not contain the archive.
 pub fn archive(root: &Path, folder: &str) -> Result<PathBuf> {
     let path = root.join(BINARIES).join(format!("{folder}{EXTENSION}"));
     if path.is_file() {
@@ -47,7 +47,7 @@ pub fn archive(root: &Path, folder: &str) -> Result<PathBuf> {
 /// A library for the platform of this folder, in the installation in `root`.
 ///
 /// # Errors
-/// It did not come with the program, or the archive cannot be read.
+/// The installation does not contain the library, or the archive cannot be read.
 pub fn content(root: &Path, library: &SharedLibrary, folder: &str) -> Result<Vec<u8>> {
     let path = archive(root, folder)?;
     let name = name(library, folder);

@@ -1,7 +1,7 @@
-//! The reference of a definition's keys as Markdown, from its tables: tables of keys inside the pages of the elements.
+//! The reference of the keys of a definition as Markdown: tables of keys within the pages of the elements.
 //!
-//! In: the elements of a definition; pages with a line `<!-- keys: spring -->` and a line `<!-- end of keys -->` where
-//! the keys of an element stand. Out: the pages with these keys, and an index of all keys. It must not know laws.
+//! In: the elements of a definition, and pages with lines `<!-- keys: spring -->` and `<!-- end of keys -->` around the
+//! keys of an element. Out: the pages with these keys, and an index of all keys. The module must not know laws.
 
 use crate::ssp::definition as system;
 use linkage_fmu::format::{Element, Key, Kind, Names, Range, Short, Table};
@@ -11,16 +11,16 @@ use linkage_fmu::mechanism::definition as mechanism;
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-/// What stands before the name of an element in a page.
+/// Text before the name of an element in a page.
 const START: &str = "<!-- keys: ";
 /// The end of the keys of an element in a page.
 const END: &str = "<!-- end of keys -->";
 /// The limits of every number, which the page of the whole file states.
 const ANY: &str = "from -1e100 to 1e100";
-/// Element whose parts stand in its own table, key by key.
+/// Element whose parts are listed in its own table, key by key.
 const CIRCUIT: &str = "circuit";
 
-/// The definition files and their elements, and those of a system file; those of a circuit stand in both.
+/// The elements of the definition files and of a system file. The elements of a circuit are in two files.
 fn files() -> [(&'static str, Vec<Element>); 4] {
     [
         ("mechanism.json", [&mechanism::ELEMENTS[..], &hydraulics::CIRCUIT].concat()),
@@ -30,13 +30,14 @@ fn files() -> [(&'static str, Vec<Element>); 4] {
     ]
 }
 
-/// The elements of this definition file, the whole first.
+/// The elements of this definition file. The first element is the whole file.
 pub fn elements(definition_file: &str) -> Vec<Element> {
     let own = files().into_iter().find(|(file, _)| *file == definition_file);
     own.map_or_else(Vec::new, |(_, elements)| elements)
 }
 
-/// Name of an element in a page. What mechanism.json does not have is named with the first file that has it.
+/// Name of an element in a page. An element that is not in mechanism.json has the name of the first file with this
+/// element as a prefix.
 fn mark(file: &str, element: &Element) -> String {
     let has = |elements: &[Element]| elements.iter().any(|other| other.table == element.table);
     let first = files().into_iter().find(|(_, elements)| has(elements)).map_or("", |(first, _)| first);
@@ -51,7 +52,7 @@ fn mark(file: &str, element: &Element) -> String {
 /// pages.
 ///
 /// # Errors
-/// A page names no element, or has a start without an end; an element is on no page, or on two.
+/// A page names no element, or has a start without an end; an element is on no page, or on two pages.
 pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, String>, String> {
     let mut places = BTreeMap::new();
     for (path, text) in pages {
@@ -104,7 +105,7 @@ pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, Strin
     Ok(out)
 }
 
-/// Words for an element, at the head of its keys.
+/// Title of an element above its keys.
 fn title<'a>(file: &'a str, element: &Element) -> &'a str {
     if element.name.is_empty() { file } else { element.name }
 }
@@ -115,7 +116,7 @@ fn anchor(name: &str) -> String {
     format!("keys-of-{}", name.replace('.', ""))
 }
 
-/// The keys that a user writes.
+/// The keys that users write.
 fn listed(element: &Element) -> impl Iterator<Item = (usize, &'static Key)> {
     element.table.keys.iter().enumerate().filter(|(_, key)| !key.is_written_only)
 }
@@ -141,7 +142,7 @@ fn section(
             let parameter = key.role.map_or("", |role| if role.is_tunable() { "tunable" } else { "fixed" });
             let value = value(&|table| link(table, page, places), &key.kind, key);
             let [unit, limits] = number(key);
-            // What the column of the value says is left out of the meaning.
+            // The meaning does not repeat the text of the column `value`.
             let mut meaning = element.docs[index].trim().to_owned();
             for (open, text, end) in [(" [", &unit, "]"), (", ", &limits, "")] {
                 if !text.is_empty() {
@@ -184,7 +185,7 @@ fn link(table: &'static Table, from: &str, places: &BTreeMap<String, String>) ->
     let (name, mark) = found.unwrap_or_default();
     let name = if name.is_empty() { mark.clone() } else { name.to_owned() };
     let folder = |path: &str| path.rsplit_once('/').map_or(String::new(), |(folder, _)| folder.to_owned());
-    // The parts of a circuit stand in its own table.
+    // The parts of a circuit are in the table of the circuit.
     let mark = if hydraulics::CIRCUIT.iter().any(|part| part.table == table) { CIRCUIT.to_owned() } else { mark };
     let page = places.get(&mark).map_or("", String::as_str);
     let path = match page {
@@ -195,7 +196,7 @@ fn link(table: &'static Table, from: &str, places: &BTreeMap<String, String>) ->
     format!("[{name}]({path}#{})", anchor(&mark))
 }
 
-/// Path of the first place where an object with these keys stands; empty for the whole.
+/// Path of the first place of an object with these keys. Empty for the whole file.
 fn place(elements: &[Element], table: &'static Table) -> String {
     let found = elements.iter().find_map(|element| {
         let key = element.table.keys.iter().find_map(|key| Some((key, inside(&key.kind, table)?)))?;
@@ -207,7 +208,7 @@ fn place(elements: &[Element], table: &'static Table) -> String {
     format!("{outer}{dot}{}{part}", key.name)
 }
 
-/// How an object with these keys stands under a key of this kind, if it does.
+/// Form of an object with these keys below a key of this kind, if it is possible.
 fn inside(kind: &Kind, table: &'static Table) -> Option<&'static str> {
     match kind {
         Kind::Object(one) => (*one == table).then_some(""),
@@ -217,7 +218,7 @@ fn inside(kind: &Kind, table: &'static Table) -> Option<&'static str> {
     }
 }
 
-/// What may stand under a key, in words.
+/// Description of the allowed values of a key.
 fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> String {
     match kind {
         Kind::Number if key.range == Range::Count => "whole number".into(),
@@ -245,7 +246,7 @@ fn value(link: &dyn Fn(&'static Table) -> String, kind: &Kind, key: &Key) -> Str
     }
 }
 
-/// Unit and limits of a number, empty for any other value.
+/// Unit and limits of a number. Empty for any other value.
 fn number(key: &Key) -> [String; 2] {
     let mut kind = &key.kind;
     while let Kind::Group(of) | Kind::List(of) = kind {
@@ -317,7 +318,7 @@ mod tests {
     }
 
     #[test]
-    fn a_page_without_an_element_is_told() {
+    fn a_page_without_an_element_is_an_error() {
         let faults = [("mechanism/joints.md", "<!-- keys: joint -->"), ("hydraulics/index.md", " coupling -->")];
         for (page, removed) in faults {
             let mut pages = committed();
@@ -327,7 +328,7 @@ mod tests {
         }
     }
 
-    /// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
+    /// With LINKAGE_FMU_WRITE set, the committed pages are rewritten.
     #[test]
     fn the_committed_pages_are_those_of_the_tables() {
         for (name, page) in filled(&committed()).unwrap() {

@@ -1,8 +1,8 @@
 //! `cargo fmu demo` and `cargo fmu report`: Python programs that run packed FMUs through FMPy.
 //!
-//! In: the packed FMUs. Out: of the demo, figures on the terminal, `retraction.csv` and `retraction.png`, or
-//! `hydraulic.csv` and `hydraulic.png`, or `system.csv` and `system.png`; of the report, the figures and claims of the
-//! two papers, recomputed: `report.md`, `report.html` and `figures/`, in `validation/` by default.
+//! In: the packed FMUs. Out: for the demo, figures on the terminal, and `retraction.csv` and `retraction.png`, or
+//! `hydraulic.csv` and `hydraulic.png`, or `system.csv` and `system.png`. For the report, the recomputed figures and
+//! statements of the two papers: `report.md`, `report.html` and `figures/`, in `validation/` by default.
 
 use crate::workspace::{DEFAULT_FMU, Workspace};
 use crate::{command, package, ssp, view};
@@ -11,7 +11,7 @@ pub use fmu_cli::{Demo, Report as Arguments};
 use std::path;
 use std::process::Command;
 
-/// FMU of gear and hydraulic actuator as one system.
+/// FMU of gear and hydraulic actuator as a single system.
 const WHOLE: &str = "LandingGearRetractionHydraulic";
 /// FMU of the hydraulic actuator.
 const ACTUATOR: &str = "HydraulicActuator";
@@ -20,8 +20,8 @@ const SYSTEM: &str = "LandingGearSystem";
 /// FMUs that the report runs.
 const FMUS: [&str; 5] = [DEFAULT_FMU, "LandingGearExtension", "FourBarFamily", "SliderCrank", "Jib"];
 
-/// Retract the landing gear: pack the default FMU, or it and the hydraulic actuator, or the landing-gear system, and
-/// run the demo on it.
+/// Retract the landing gear: pack the default FMU, or this FMU and the hydraulic actuator, or the landing-gear system,
+/// and run the demo.
 ///
 /// # Errors
 /// Packing, Python's environment or the run itself fails.
@@ -37,7 +37,7 @@ pub fn demo(workspace: &Workspace, arguments: &Demo) -> Result<()> {
     };
     let mut fmus = package::run(workspace, &package::Arguments { paths, ssp, ..package::Arguments::of_fmi_2() })?;
     if ssp {
-        // The package holds the FMUs.
+        // The package contains the FMUs.
         fmus.drain(..fmus.len().saturating_sub(1));
     }
     let out = arguments.out.clone().unwrap_or_else(|| workspace.output("demo"));

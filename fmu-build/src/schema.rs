@@ -1,7 +1,7 @@
-//! The schemas of definition files, one for each kind of model, which go into every FMU beside its definition. They are
-//! made of the tables of keys.
+//! The schemas of definition files, one per kind of model, built from the tables of keys. Every FMU contains the schema
+//! next to its definition.
 //!
-//! There a schema serves whoever edits the numbers in an unpacked FMU, and a relative path needs no more than its name.
+//! The schema serves users who edit numbers in an unpacked FMU. A relative path needs only its name.
 
 mod generated;
 
@@ -18,9 +18,9 @@ pub fn text(definition_file: &str) -> Vec<u8> {
     generated::schema(definition_file).into_bytes()
 }
 
-/// The text of a definition that was read without fault, with its `"$schema"` leading to the schema `name` beside it; a
-/// text without that key stays as it is.
-pub fn led_here(definition: &str, name: &str) -> String {
+/// The text of a definition without faults, with its `"$schema"` set to the schema `name` in the same folder. A text
+/// without this key stays unchanged.
+pub fn with_schema_path(definition: &str, name: &str) -> String {
     let root = parse("definition", definition).ok();
     let schema = root.as_ref().and_then(|root| root.member("$schema")).filter(|member| member.value.text().is_some());
     match schema {
@@ -40,7 +40,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn the_key_leads_to_the_schema_beside_it() {
+    fn the_schema_key_becomes_the_path_to_the_schema() {
         for (text, expected) in [
             (r#"{ "$schema": "C:\\a \"b\"/x.json", "n": 1 }"#, r#"{ "$schema": "mechanism.schema.json", "n": 1 }"#),
             ("{\n\"$schema\"\n:\t\"é\"}", "{\n\"$schema\"\n:\t\"mechanism.schema.json\"}"),
@@ -51,11 +51,11 @@ mod tests {
             ),
             (r#"{"$schema": null}"#, r#"{"$schema": null}"#),
         ] {
-            assert_eq!(led_here(text, "mechanism.schema.json"), expected);
+            assert_eq!(with_schema_path(text, "mechanism.schema.json"), expected);
         }
     }
 
-    /// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
+    /// With LINKAGE_FMU_WRITE set, the committed schemas are rewritten.
     #[test]
     fn the_committed_schemas_are_those_of_the_tables() {
         let workspace = Workspace::locate();

@@ -1,6 +1,6 @@
-//! A value of a variable in a JSON file: a number, a truth value or a text.
+//! A value of a variable in a JSON file: a number, a Boolean or a text.
 //!
-//! In: a value of JSON. Out: the value that a variable takes. It must not know models.
+//! In: a value of JSON. Out: the value for a variable. The module must not know models.
 
 use crate::start_values;
 use anyhow::{Result, bail};
@@ -20,7 +20,7 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// The value that this JSON is, if it is one.
+    /// The setting in a JSON node, if it contains one.
     pub fn of(node: &Node) -> Option<Self> {
         match &node.json {
             Json::Number(number) => Some(Self::Real(*number)).filter(|_| number.is_finite()),
@@ -30,10 +30,10 @@ impl Setting {
         }
     }
 
-    /// The value that a variable takes. A text may state a number with its unit, such as `"30 kN"`.
+    /// The value for a variable. A text may state a number with its unit, such as `"30 kN"`.
     ///
     /// # Errors
-    /// The value is of another kind than the variable, or in a unit of another quantity.
+    /// The value has another type than the variable, or the unit of another quantity.
     pub fn value(&self, variable: &Variable) -> Result<Value> {
         Ok(match (self, variable.kind) {
             (Self::Real(value), Kind::Real) => Value::Real(*value),
@@ -45,7 +45,7 @@ impl Setting {
 }
 
 impl fmt::Display for Setting {
-    /// As JSON has it.
+    /// Written as in JSON.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Real(value) => value.fmt(f),

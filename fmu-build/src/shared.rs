@@ -1,8 +1,7 @@
-//! Parameters that several definitions share: the contents of the file that a definition names take the place of its
-//! path.
+//! Parameters that several definitions share: the contents of the file that a definition names replace its path.
 //!
-//! In: the text of a definition and its path. Out: a text that needs no other file, in which all else keeps its line.
-//! It must not know what the parameters mean.
+//! In: the text of a definition and its path. Out: a text that needs no other file, and in which the rest keeps its
+//! line numbers. The module must not know what the parameters mean.
 
 use crate::files;
 use anyhow::{Context, Result, bail};
@@ -21,7 +20,7 @@ const KEY: &str = "parameters_from";
 /// # Errors
 /// The file cannot be read, or is no file of parameters.
 pub fn completed(definition: &Path, text: String) -> Result<String> {
-    // A text that is no JSON is told of by whoever reads it.
+    // The later reader of the text reports invalid JSON.
     let Some((range, name)) = named(&text) else { return Ok(text) };
     if name.is_empty() {
         bail!("{}: {KEY}: \"\" is not a file name; give a file of parameters, or remove the key", definition.display());
@@ -34,7 +33,7 @@ pub fn completed(definition: &Path, text: String) -> Result<String> {
         .ok()
         .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
     SharedContents::check(&contents).with_context(|| shown)?;
-    // No text of JSON goes over lines, so that spaces may stand for these.
+    // A text in JSON cannot contain a line break, so spaces may replace all line breaks.
     let contents = contents.trim_start_matches('\u{feff}').replace(['\r', '\n'], " ");
     let object = format!("{{ \"file\": {}, \"contents\": {} }}", serde_json::to_string(&name)?, contents.trim());
     Ok([&text[..range.0], &object, &text[range.1..]].concat())
@@ -45,7 +44,7 @@ pub fn file(definition: &Path, text: &str) -> Option<PathBuf> {
     named(text).map(|(_, name)| definition.parent().unwrap_or(Path::new("")).join(name))
 }
 
-/// Range of bytes of the path in the text, and the path; none if the definition names no file.
+/// Range of bytes of the path in the text, and the path. None if the definition names no file.
 fn named(text: &str) -> Option<((usize, usize), String)> {
     if !text.contains(KEY) {
         return None;
@@ -81,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn the_contents_take_the_place_of_the_path() {
+    fn the_contents_replace_the_path() {
         let folder =
             folder("whole", "{\n  \"parameters\": {\n    \"load\": { \"value\": 1.5, \"unit\": \"kg\" } }\n}\n");
         let text = completed(&folder.join("block/mechanism.json"), BLOCK.to_owned()).unwrap();

@@ -1,6 +1,6 @@
-//! One model as the user names it: a definition file such as `mechanism.json`, or a folder that holds one.
+//! One model that the user names: a definition file such as `mechanism.json`, or a folder that contains one.
 //!
-//! In: a path. Out: the definition's kind and text, and the files that accompany it in the FMU.
+//! In: a path. Out: kind and text of the definition, and the additional files for the FMU.
 
 use crate::archive::{Entry, MODEL_DESCRIPTION};
 use crate::fmu::{self, Definition, Fmu, RESOURCES};
@@ -12,25 +12,25 @@ use linkage_fmu::fmi::LARGEST_DEFINITION;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a folder may hold besides the definition, under the names that FMI 2.0.5 (2.1, 2.5) gives them.
+/// Files and folders that a folder may contain besides the definition, with their names in FMI 2.0.5 (2.1, 2.5).
 const COMPANIONS: [&str; 5] = ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"];
 
-/// Text about a model, which goes into the page of its FMU.
+/// Text about a model, which is added to the page of its FMU.
 const README: &str = "README.md";
-/// What belongs to the folder of a model and not to its FMU as a file, or is made anew for the FMU.
+/// Files of the folder of a model that are not copied to its FMU, or are generated for the FMU.
 const OF_THE_FOLDER: [&str; 2] = [README, MODEL_DESCRIPTION];
-/// Beginning of a zip.
+/// First bytes of a zip.
 const ZIP: &[u8] = b"PK\x03\x04";
 /// Largest text about a model [bytes].
 const LARGEST_README: u64 = 1 << 20;
 
-/// The files that accompany a definition.
+/// The additional files of a definition.
 #[derive(Debug, Default)]
 pub struct Companions {
-    /// Those that go into the FMU, under their names there.
+    /// Files for the FMU, with their names in the FMU.
     pub entries: Vec<Entry>,
-    /// Files and folders that stay out, by their paths from the model's folder: hidden ones, and those under names to
-    /// which FMI gives no meaning.
+    /// Omitted files and folders, by their paths in the model's folder: hidden ones, and those with names that FMI does
+    /// not define.
     pub left_out: Vec<String>,
 }
 
@@ -39,18 +39,18 @@ pub struct Companions {
 pub struct Source {
     /// The definition file.
     pub definition: PathBuf,
-    /// Folder with documentation, icon and the like; none for a definition file named by itself.
+    /// Folder with documentation, icon and similar files. None if the user names a definition file.
     pub folder: Option<PathBuf>,
-    /// Whether the folder is one of `modelDescription/`, which keeps its generated `modelDescription.xml`.
+    /// Whether the folder is one of `modelDescription/`, which contains its generated `modelDescription.xml`.
     pub keeps_description: bool,
 }
 
 impl Source {
-    /// Find the definition that `path` names.
+    /// Find the definition at `path`.
     ///
     /// # Errors
-    /// There is nothing there, or a device, a pipe or the like, or a folder without a definition or with several, or
-    /// with a link in the place of one.
+    /// The path does not exist, or is a device, a pipe or similar, or a folder without a definition, with several
+    /// definitions, or with a link instead of a definition.
     pub fn find(workspace: &Workspace, path: &Path) -> Result<Self> {
         if path.is_file() {
             return Ok(match described_folder(workspace, path) {
@@ -68,7 +68,7 @@ impl Source {
             );
         }
         let places = |file| [path.join(RESOURCES).join(file), path.join(file)];
-        // What is no file is found too, and refused by name.
+        // An object that is no file is found too, and rejected with its name.
         let stands = |place: &PathBuf| fs::symlink_metadata(place).is_ok();
         let mut found = files.into_iter().filter_map(|file| places(file).into_iter().find(stands));
         match (found.next(), found.next()) {
@@ -102,20 +102,20 @@ impl Source {
         Self { definition, folder: Some(folder.to_path_buf()), keeps_description }
     }
 
-    /// Name of the definition file of this kind of model in an FMU: the one that ends the file's own name, as in
-    /// `gear.mechanism.json`, else the one that the keys in the file tell, else the first.
+    /// Name of the definition file of this kind of model in an FMU: the end of the file's own name, as in
+    /// `gear.mechanism.json`, else by the keys in the file, else the first name.
     pub fn kind(&self) -> &'static str {
         let own = self.definition.file_name().unwrap_or_default().to_string_lossy();
         let files = Component::definition_files();
-        let told =
+        let by_keys =
             || Component::kind_of(&String::from_utf8(files::read(&self.definition, LARGEST_DEFINITION).ok()?).ok()?);
-        files.into_iter().find(|file| own.ends_with(file)).or_else(told).unwrap_or(files[0])
+        files.into_iter().find(|file| own.ends_with(file)).or_else(by_keys).unwrap_or(files[0])
     }
 
-    /// The definition's text, with the contents of the file of shared parameters that it names.
+    /// The text of the definition, with the contents of the file of shared parameters that it names.
     ///
     /// # Errors
-    /// The file cannot be read, is larger than an FMU reads, or is not UTF-8.
+    /// The file cannot be read, is larger than the limit of an FMU, or is not UTF-8.
     pub fn text(&self) -> Result<String> {
         let path = self.definition.display();
         let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
@@ -126,10 +126,10 @@ impl Source {
         }
     }
 
-    /// The text about the model beside its definition, in Markdown; none of a definition file named by itself.
+    /// The Markdown text next to the definition. None if the user names a definition file.
     ///
     /// # Errors
-    /// What stands there is no regular file, is too large, or is not UTF-8.
+    /// The file is no regular file, is too large, or is not UTF-8.
     pub fn readme(&self) -> Result<Option<String>> {
         let Some(path) = self.folder.as_ref().map(|folder| folder.join(README)) else { return Ok(None) };
         match fs::symlink_metadata(&path) {
@@ -142,11 +142,11 @@ impl Source {
         }
     }
 
-    /// The accompanying files. Each that stands under a name of the standard is packed or refused, but for hidden ones.
+    /// The additional files. Each file or folder with a name of the standard is packed or rejected, except hidden ones.
     ///
     /// # Errors
-    /// What stands there is neither file nor folder, such as a symbolic link, a pipe or a device; a file cannot be
-    /// read; a name is not UTF-8, or none on some system.
+    /// An object is neither file nor folder, such as a symbolic link, a pipe or a device; a file cannot be read; a name
+    /// is not UTF-8, or is invalid on some system.
     pub fn companions(&self) -> Result<Companions> {
         let mut all = Companions::default();
         let Some(folder) = &self.folder else { return Ok(all) };
@@ -169,7 +169,7 @@ impl Definition {
     /// The definition in a file, in a folder, or in an FMU.
     ///
     /// # Errors
-    /// The path leads to no definition; what is there cannot be read.
+    /// The path contains no definition, or it cannot be read.
     pub fn read(workspace: &Workspace, path: &Path) -> Result<Self> {
         if fmu::is_fmu(path) {
             return Fmu::open(path)?.definition();
@@ -179,7 +179,7 @@ impl Definition {
     }
 }
 
-/// What a zip in the place of a definition is, and what to name instead.
+/// Message about a zip instead of a definition, with a remedy.
 fn of_archive(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
@@ -193,7 +193,7 @@ fn of_archive(path: &Path) -> String {
     }
 }
 
-/// A file in a folder whose name differs from that of a definition by case only, with what to do.
+/// Message about a file whose name differs from that of a definition only by case, with a remedy.
 fn near_miss(folder: &Path, files: &[&str]) -> Option<String> {
     for inner in [folder.join(RESOURCES), folder.to_path_buf()] {
         for name in names_in(&inner).unwrap_or_default() {
@@ -205,7 +205,7 @@ fn near_miss(folder: &Path, files: &[&str]) -> Option<String> {
     None
 }
 
-/// Some of these names, and how many there are besides.
+/// Some of these names, and the number of the others.
 pub fn listed(names: &[String]) -> String {
     const SHOWN: usize = 10;
     let mut text = names[..names.len().min(SHOWN)].join(", ").escape_debug().to_string();
@@ -215,7 +215,7 @@ pub fn listed(names: &[String]) -> String {
     text
 }
 
-/// The folder of `modelDescription/` among whose resources this definition file is.
+/// The folder of `modelDescription/` whose resources contain this definition file.
 fn described_folder(workspace: &Workspace, definition: &Path) -> Option<PathBuf> {
     let full = definition.canonicalize().ok()?;
     let resources = full.parent().filter(|folder| folder.ends_with("resources"))?;
@@ -228,7 +228,7 @@ fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
     parent.is_some_and(|parent| workspace.keeps_descriptions(parent))
 }
 
-/// Error for what stands in a folder and is neither file nor folder.
+/// Error for an object that is neither file nor folder.
 fn refused(path: &Path, metadata: &fs::Metadata) -> anyhow::Error {
     let (shown, kind) = (path.display(), files::kind(metadata));
     anyhow::anyhow!("{shown}: this is {kind}; replace it by a regular file, or remove it")
@@ -249,8 +249,8 @@ fn names_in(folder: &Path) -> Result<Vec<String>> {
     Ok(names)
 }
 
-/// Add a file, or all that is in a folder, under this name in the FMU. The names are checked on the way, so that a
-/// folder has an end however deep it is.
+/// Add a file, or the contents of a folder, with this name in the FMU. The names are checked during the search, so that
+/// the length of a path limits its depth.
 fn collect(path: &Path, name: &str, all: &mut Companions) -> Result<()> {
     names::check(name)?;
     let metadata = fs::symlink_metadata(path).with_context(|| format!("{}: cannot be read", path.display()))?;

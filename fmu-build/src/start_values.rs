@@ -7,8 +7,7 @@ use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
 use std::f64::consts::PI;
 
-/// Units in which people state values, each with its SI unit and the two numbers by which a value is multiplied and
-/// divided. Two numbers keep the conversion exact to one rounding.
+/// Common units, each with its SI unit, a factor and a divisor. With two numbers the conversion has only one rounding.
 const COMMON: [(&str, Unit, f64, f64); 23] = [
     ("mm", Unit::Metre, 1.0, 1e3),
     ("cm", Unit::Metre, 1.0, 1e2),
@@ -35,11 +34,10 @@ const COMMON: [(&str, Unit, f64, f64); 23] = [
     ("%", Unit::One, 1.0, 1e2),
 ];
 
-/// What these words set, each pair as `name=value` or as two words, in the order of the model's variables.
+/// The values in these words, as `name=value` or as two words, in the order of the variables of the model.
 ///
 /// # Errors
-/// A name without a value, one that no variable has or that stands twice; a value that is none of its kind, or in
-/// another unit.
+/// A name has no value, is unknown, or is duplicate; a value has the wrong type, or a wrong unit.
 pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, Value)>> {
     let mut values: Vec<(Reference, Value)> = Vec::new();
     for (name, text) in pairs(words)? {
@@ -50,15 +48,16 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
         let variable = &interface.list()[reference as usize];
         values.push((reference, value(variable, text).context("--start-values")?));
     }
-    // As a host does it: what a value is checked against may depend on one before.
+    // Values are set in the order of the variables, like in a host, because the check of a value may depend on previous
+    // ones.
     values.sort_by_key(|(reference, _)| *reference);
     Ok(values)
 }
 
-/// What a variable is set to by a text: a number with or without its unit, a truth value, or an item.
+/// The value for a variable in a text: a number with or without its unit, a Boolean, or an item of an Enumeration.
 ///
 /// # Errors
-/// It is none of its kind, or in another unit.
+/// The text has the wrong type, or a wrong unit.
 pub fn value(variable: &Variable, text: &str) -> Result<Value> {
     Ok(match variable.kind {
         Kind::Real => Value::Real(number(variable, text)?),
@@ -74,7 +73,7 @@ pub fn value(variable: &Variable, text: &str) -> Result<Value> {
 /// Set these pairs; see [`parse`].
 ///
 /// # Errors
-/// As [`parse`]; a value that the model refuses.
+/// As for [`parse`], or the model rejects a value.
 pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
     let values = parse(model.interface(), words)?;
     apply_all(model, values).context("--start-values")
@@ -83,7 +82,7 @@ pub fn apply(model: &mut Component, words: &[String]) -> Result<()> {
 /// Set these values, which are in the order of the variables.
 ///
 /// # Errors
-/// The model refuses a value.
+/// The model rejects a value.
 pub fn apply_all(model: &mut Component, values: Vec<(Reference, Value)>) -> Result<()> {
     let (mut reals, mut others) = (Vec::new(), Vec::new());
     for (reference, value) in values {
@@ -122,10 +121,10 @@ fn pairs(words: &[String]) -> Result<Vec<(&str, &str)>> {
     Ok(pairs)
 }
 
-/// A number in the unit of a variable; the text may name this unit, its display unit or another common unit.
+/// A number in the unit of a variable. The text may contain this unit, its display unit or another common unit.
 ///
 /// # Errors
-/// The text is no number, or in a unit of another quantity.
+/// The text is no number, or has the unit of another quantity.
 pub fn number(variable: &Variable, text: &str) -> Result<f64> {
     let name = &variable.name;
     if let Ok(value) = text.parse::<f64>() {
@@ -134,7 +133,7 @@ pub fn number(variable: &Variable, text: &str) -> Result<f64> {
     if let Some(point) = decimal_comma(text) {
         bail!("{name} = {text} has a decimal comma; write a point: {point}");
     }
-    // The longest beginning that is a number.
+    // The longest prefix that is a number.
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let split =
         ends.map(|end| text.split_at(end)).find_map(|(a, b)| Some((a.trim_end().parse::<f64>().ok()?, b.trim())));
@@ -159,7 +158,8 @@ pub fn number(variable: &Variable, text: &str) -> Result<f64> {
     }
 }
 
-/// A number with a decimal comma, or one before a unit, with a point in place of the comma; none if the text has none.
+/// A number with a decimal comma, also before a unit, with a point instead of the comma. None if the text has no such
+/// number.
 pub fn decimal_comma(text: &str) -> Option<String> {
     let (before, after) = text.split_once(',')?;
     let is_number = before.parse::<f64>().is_ok() && after.starts_with(|c: char| c.is_ascii_digit());
@@ -169,7 +169,7 @@ pub fn decimal_comma(text: &str) -> Option<String> {
 /// The variable with this name.
 ///
 /// # Errors
-/// There is none; the nearest names.
+/// No variable has the name. The message contains similar names.
 pub fn find(interface: &Interface, name: &str) -> Result<Reference> {
     interface.find(name).with_context(|| {
         let nearest = interface.nearest(name).join(", ");
@@ -177,10 +177,10 @@ pub fn find(interface: &Interface, name: &str) -> Result<Reference> {
     })
 }
 
-/// A truth value.
+/// A Boolean.
 ///
 /// # Errors
-/// The text is none.
+/// The text is no Boolean.
 pub fn truth(text: &str) -> Result<bool> {
     match text.trim().to_ascii_lowercase().as_str() {
         "true" | "1" => Ok(true),
@@ -223,7 +223,7 @@ mod tests {
             let reference = gear.interface().find(name).unwrap();
             assert_eq!(gear.real(reference).unwrap(), value, "{name}");
         }
-        // No unit is an SI unit or a display unit under the same name.
+        // No common unit has the name of an SI unit or of a display unit.
         for (name, si, by, over) in COMMON {
             assert!(Unit::ALL.iter().all(|unit| unit.name() != name) && by > 0.0 && over > 0.0, "{name}");
             assert!(si.display().is_none_or(|(shown, _)| shown != name), "{name}");
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_start_value_is_refused_by_name() {
+    fn wrong_start_values_are_rejected_with_their_name() {
         for (words, said) in [
             (&["crank.start_angle"][..], "crank.start_angle has no value"),
             (&["crank.start_angel=1"], "most similar names are crank.start_angle"),

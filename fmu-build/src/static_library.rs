@@ -1,8 +1,8 @@
 //! `--static TARGET`: the library as an archive of objects, for hosts that link FMUs instead of loading them.
 //!
-//! In: a target of Rust. Out: an archive for each model, whose functions have the name of the model in front
-//! (FMI 2.0.5, 2.1.2; FMI 3.0.2, 2.5.1.4), and `documentation/staticLinking.txt`. All other names are local to the
-//! archive, so that a host can link any number of archives.
+//! In: a target of Rust. Out: an archive for each model, whose functions have the name of the model as a prefix (FMI
+//! 2.0.5, 2.1.2; FMI 3.0.2, 2.5.1.4), and `documentation/staticLinking.txt`. All other names are local to the archive,
+//! so that a host can link several archives.
 
 use crate::archive::{BINARIES, Entry};
 use crate::library::served::SharedLibrary;
@@ -15,36 +15,36 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
-/// The text that tells how to link.
+/// The text with the link instructions.
 pub const PAGE: &str = "documentation/staticLinking.txt";
-/// Beginning of an archive, and length of the header of a member (System V's ar).
+/// First bytes of an archive, and length of the header of a member (System V's ar).
 const MARK: &[u8] = b"!<arch>\n";
 const HEADER: usize = 60;
-/// What rustc writes before the libraries that an archive needs.
+/// Text in rustc's output before the list of libraries that an archive needs.
 const NEEDED: &str = "native-static-libs: ";
 
-/// The objects of the library in one file, with the functions of FMI as only names.
+/// The objects of the library in one file, which exports only the functions of FMI.
 pub struct StaticLibrary {
-    /// The shared library that has the same functions.
+    /// The shared library with the same functions.
     pub library: &'static SharedLibrary,
     /// Rust's name of the target.
     triple: String,
-    /// Processor, system and binary interface of the target, where it has one.
+    /// Processor, system and binary interface of the target, if it has one.
     parts: [String; 3],
     /// Folder with the objects.
     folder: PathBuf,
     /// Names of the functions.
     functions: Vec<String>,
-    /// What a host links in addition.
+    /// Libraries that a host must link in addition.
     needed: String,
 }
 
 impl StaticLibrary {
-    /// Build it, in release.
+    /// Build the library in release mode.
     ///
     /// # Errors
-    /// This is an installation; the target is not one of Linux; Rust's standard library for it or a tool is missing;
-    /// the build fails.
+    /// This is an installation; the target is not for Linux; Rust's standard library for the target or a tool is
+    /// missing; the build fails.
     pub fn build(workspace: &Workspace, library: &'static SharedLibrary, triple: &str) -> Result<Self> {
         let shown = format!("--static {triple}");
         ensure!(
@@ -60,12 +60,12 @@ impl StaticLibrary {
         fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
         let mut cargo = command::cargo(workspace);
         cargo.args(["rustc", "--release", "--package", library.package, "--lib", "--crate-type", "staticlib"]);
-        cargo.args(["--target", triple, "--message-format=json-render-diagnostics"]).args(arguments);
-        cargo.envs([sources::variable()?]).args([
-            "--",
-            "--print",
-            &format!("native-static-libs={}/needed", folder.display()),
-        ]);
+        cargo.arg("--message-format=json-render-diagnostics").args(arguments);
+        // On this machine the engine is already compiled for the shared library.
+        if !platform::is_this_machine(triple)? {
+            cargo.args(["--target", triple]).envs([sources::variable()?]);
+        }
+        cargo.args(["--", "--print", &format!("native-static-libs={}/needed", folder.display())]);
         let output = cargo.stderr(Stdio::inherit()).output().with_context(|| command::cannot_start(&cargo, "cargo"))?;
         ensure!(
             output.status.success(),
@@ -85,10 +85,14 @@ impl StaticLibrary {
         fs::write(own.folder.join("kept"), own.functions.join("\n"))?;
         let keep = ["--strip-unneeded", "--keep-global-symbols=kept", "all.o", "functions.o"];
         command::run(own.tool("objcopy").args(keep), "objcopy")?;
+        let object = own.folder.join("functions.o");
+        let mut content = files::read(&object, u64::MAX)?;
+        sources::leave_out(&mut content, &sources::folder()?);
+        files::replace(&object, &content)?;
         Ok(own)
     }
 
-    /// A tool of binutils for the target; where it is missing, the message says so.
+    /// A tool of binutils for the target.
     fn tool(&self, name: &str) -> Command {
         let [processor, _, _] = &self.parts;
         let prefix =
@@ -98,7 +102,7 @@ impl StaticLibrary {
         tool
     }
 
-    /// Path of the archive in an FMU: FMI 2.0 has a folder for each compiler below that of the platform.
+    /// Path of the archive in an FMU. FMI 2.0 has a folder per compiler below the folder of the platform.
     fn path(&self, version: Version, model: &str) -> String {
         let [processor, system, interface] = &self.parts;
         match (version, processor.as_str()) {
@@ -122,14 +126,14 @@ impl StaticLibrary {
     }
 }
 
-/// An archive of one object: an index of its names, and the object, with no time in it.
+/// An archive of one object: an index of its names, and the object, without a time.
 ///
 /// # Errors
 /// The object is too large.
 fn archive(object: &[u8], names: &[String]) -> Result<Vec<u8>> {
     let header = |name: &str, size: usize| format!("{name:<16}{:<12}{:<6}{:<6}{:<8}{size:<10}`\n", 0, 0, 0, 644);
     let mut text = names.join("\0") + "\0";
-    // Members start at even places.
+    // Members start at even offsets.
     if text.len() % 2 == 1 {
         text.push('\0');
     }
@@ -145,7 +149,7 @@ fn archive(object: &[u8], names: &[String]) -> Result<Vec<u8>> {
     Ok(content)
 }
 
-/// The text for these libraries of a model.
+/// The link instructions for these libraries of a model.
 pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entry {
     let function = match version {
         Version::Two => "fmi2Instantiate",
@@ -171,9 +175,9 @@ pub fn page(libraries: &[&StaticLibrary], version: Version, model: &str) -> Entr
     Entry { name: PAGE.to_owned(), content: text.into_bytes() }
 }
 
-/// Functions of FMI in the index of an archive; None if there is no index.
+/// Functions of FMI in the index of an archive. None without an index.
 fn functions(archive: &[u8]) -> Option<Vec<String>> {
-    /// Where the header of a member has its size.
+    /// Range of the size in the header of a member.
     const SIZE: std::ops::Range<usize> = 48..58;
     let members = archive.get(MARK.len()..)?;
     let header = members.get(..HEADER).filter(|header| header.starts_with(b"/ "))?;
@@ -203,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_target_has_its_folder_and_what_cannot_be_built_is_refused() {
+    fn a_target_has_its_folder_and_an_unsupported_one_is_rejected() {
         let library = |triple: &str, parts: [&str; 3]| StaticLibrary {
             library: &MECHANISMS,
             triple: triple.to_owned(),

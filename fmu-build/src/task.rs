@@ -1,5 +1,5 @@
-//! A task of the command line. Exit codes: 0 done, 1 refused with one line or with what `check` has found, 2 wrong
-//! usage, 130 stopped by Ctrl-C.
+//! A task of the command line. Exit codes: 0 done; 1 rejected with one line or with the findings of `check`; 2 wrong
+//! usage; 130 stopped by Ctrl-C.
 
 use crate::workspace::Workspace;
 use crate::{bench, chain, check, dist, docs, info, output, package, report, test, validate, view};
@@ -7,16 +7,16 @@ use anyhow::Error;
 use fmu_cli::{Cli, Task};
 use std::process::ExitCode;
 
-/// What does a task that this crate does not have.
+/// Function for the tasks that this crate does not have.
 pub type Studies = fn(&Workspace, Task) -> ExitCode;
 
-/// Do what the command line says. An installation refuses the tasks that need the repository.
+/// Run the task of the command line. An installation rejects the tasks that need the repository.
 pub fn run(workspace: &Workspace, cli: Cli, studies: Studies) -> ExitCode {
     let code = workspace.serves(&cli.task).map_or_else(|error| refused(&error), |()| done(workspace, cli, studies));
     output::finish().map_or_else(|error| refused(&error), |()| code)
 }
 
-/// Do a task; the exit code.
+/// Run a task. Returns the exit code.
 fn done(workspace: &Workspace, cli: Cli, studies: Studies) -> ExitCode {
     let result = match cli.task {
         Task::Package(arguments) => package::run(workspace, &arguments).map(drop),
@@ -51,7 +51,7 @@ fn done(workspace: &Workspace, cli: Cli, studies: Studies) -> ExitCode {
     }
 }
 
-/// Tell an error; the exit code.
+/// Print an error. Returns the exit code.
 pub fn refused(error: &Error) -> ExitCode {
     eprintln!("error: {error:#}");
     ExitCode::FAILURE

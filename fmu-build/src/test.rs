@@ -1,4 +1,4 @@
-//! `cargo fmu test`: every test there is, stopping at the first stage that fails.
+//! `cargo fmu test`: runs all tests, and stops at the first stage that fails.
 
 mod platforms;
 mod reproducible;
@@ -12,25 +12,25 @@ use std::path::Path;
 use std::process::Command;
 use std::time::Instant;
 
-/// Environment variable with the folder of the FMUs, for the Python tests and those in a browser.
+/// Environment variable with the folder of the FMUs, for the Python tests and the browser tests.
 const FMU_FOLDER: &str = "LINKAGE_FMU_DIR";
-/// Environment variable with the program of the studies, for the pages of the documentation, which run its commands.
+/// Environment variable with the program of the studies, for the documentation pages, whose commands it runs.
 const PROGRAM: &str = "LINKAGE_FMU_PROGRAM";
-/// Environment variable with the program of the studies, for the browser tests, which let it write pages.
+/// Environment variable with the program of the studies, for the browser tests, whose pages it writes.
 const VIEW: &str = "LINKAGE_VIEW";
 /// Environment variable with the seed of proptest's random cases.
 const SEED: &str = "PROPTEST_RNG_SEED";
 
-/// Options of pytest: each file by one of as many processes as there are cores.
+/// Options of pytest: one process per core, each file in one process.
 const SHARED: [&str; 2] = ["--numprocesses=auto", "--dist=loadfile"];
 
-/// Begin of the page about the platforms.
+/// First part of the page about the platforms.
 const PAGE: &str = include_str!("test/platforms.md");
 
-/// Run all stages, or the one asked for.
+/// Run all stages, or the requested one.
 ///
 /// # Errors
-/// The first stage that fails, by name.
+/// The name of the first stage that fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let start = Instant::now();
     if arguments.platforms {
@@ -40,10 +40,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
         return stage("the library from two folders", || reproducible::run(workspace));
     }
     stage("Rust tests", || {
-        // The dev profile is optimised too, and builds faster than release does.
+        // The dev profile is optimised too, and its build is faster than a release build.
         let mut cargo = command::cargo(workspace);
         if std::env::var_os(SEED).is_none() {
-            // The same random cases in every run; new ones come from `cargo fmu bench attack`.
+            // The random cases are equal in every run. `cargo fmu bench attack` uses new ones.
             cargo.env(SEED, "1");
         }
         command::run(cargo.args(["test", "--workspace"]), "cargo test")
@@ -82,7 +82,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Run the libraries for other platforms; with `write` write the page.
+/// Run the libraries for other platforms. With `write`, write the page.
 fn platforms(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let table = platforms::run(workspace, &arguments.binaries)?;
     let page = format!("{PAGE}{table}");

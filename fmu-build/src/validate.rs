@@ -1,8 +1,8 @@
-//! `cargo fmu validate`: whether a model can be given to a host as it is.
+//! `cargo fmu validate`: whether a host can use a model as it is.
 //!
-//! In: an FMU, or a definition. Out: errors and warnings, one a line: of a definition those of `check`; of
-//! an FMU also whether its archive is whole, its description keeps the rules of FMI and is that of its definition, and
-//! its libraries are ones.
+//! In: an FMU, or a definition. Out: errors and warnings, one per line. For a definition they are those of `check`. For
+//! an FMU they also concern the archive, the rules of FMI for its description, the agreement of description and
+//! definition, and the libraries.
 
 mod rules;
 
@@ -24,35 +24,35 @@ use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Interface of the FMUs that this program packs.
+/// Interface type of the FMUs that this program packs.
 const INTERFACE: &str = "CoSimulation";
-/// Beginning of what these say of the program that wrote them.
+/// Prefix of the name of the program in descriptions that this program wrote.
 const PROGRAM: &str = "linkage-fmu";
-/// Folder of an FMU with what a host can build a library of.
+/// Folder of an FMU with sources from which a host can build a library.
 const SOURCES: &str = "sources/";
 
-/// What was found.
+/// Results of the validation.
 #[derive(Default, Serialize)]
 pub struct Found {
-    /// Why the model cannot be used.
+    /// Reasons why a host cannot use the model.
     pub errors: Vec<String>,
-    /// What is probably not meant.
+    /// Probable mistakes.
     pub warnings: Vec<String>,
-    /// What a host's machine must have.
+    /// Requirements on the machine of a host.
     pub notes: Vec<String>,
 }
 
 impl Found {
-    /// Count a failure as an error.
+    /// Record a failure as an error.
     fn take<T>(&mut self, result: Result<T>) -> Option<T> {
         result.map_err(|error| self.errors.push(format!("{error:#}"))).ok()
     }
 }
 
-/// Validate the models and print what was found; whether all are without errors.
+/// Validate the models and print the results. Returns whether all are without errors.
 ///
 /// # Errors
-/// A path that leads to no model.
+/// A path contains no model.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let mut is_valid = true;
     for path in &arguments.paths {
@@ -72,7 +72,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
 /// Validate one model.
 ///
 /// # Errors
-/// The path leads to no model.
+/// The path contains no model.
 pub fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     let mut found = Found::default();
     if !fmu::is_fmu(path) {
@@ -106,7 +106,7 @@ pub fn validate(workspace: &Workspace, path: &Path) -> Result<Found> {
     Ok(found)
 }
 
-/// Check a definition as `check` does; the description of this version that it gives, if it gives a model.
+/// Check a definition like `check`. Returns its description for this version, if it gives a model.
 fn definition(
     Definition { shown, kind, text }: Definition,
     version: Version,
@@ -131,13 +131,13 @@ fn archive(fmu: &mut Fmu, found: &mut Found) {
     found.errors.extend(fmu.faults().iter().map(|fault| format!("{}: {fault}", fmu.shown())));
     for name in &all {
         found.take(names::check(name).with_context(|| fmu.shown().to_owned()));
-        // Unpacking compares the check sum.
+        // Unpacking compares the checksum.
         found.take(fmu.read(name));
     }
     found.take(names::check_case(all.iter().map(String::as_str)).with_context(|| fmu.shown().to_owned()));
 }
 
-/// A library for each platform that has a folder, for this one too.
+/// Check the library of each platform that has a folder, and that this platform has one.
 fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     let shown = fmu.shown().to_owned();
     let is_own = described.generation_tool.starts_with(PROGRAM);
@@ -187,7 +187,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
             Ok(None) => {
                 found.errors.push(format!("{shown}: contains no {path}, which simulation tools on {platform} load"))
             }
-            // The archive's check has told it.
+            // The check of the archive has reported the fault.
             Err(_) => {}
         }
     }
@@ -198,9 +198,9 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     }
 }
 
-/// What the machine that loads a library must have.
+/// Report the requirements of a library on the machine that loads it.
 fn needs(shown: &str, content: &[u8], found: &mut Found) {
-    // A file that is no library has been told.
+    // A file that is no library was reported before.
     let Ok(needs) = Needs::of(content) else { return };
     if let Some(version) = &needs.glibc {
         let functions = needs.functions.join(", ");
@@ -213,7 +213,7 @@ fn needs(shown: &str, content: &[u8], found: &mut Found) {
     }
 }
 
-/// Whether the description in the FMU is the one of its definition.
+/// Compare the description in the FMU with that of its definition.
 fn compare(fmu: &Fmu, packed: &Description, meant: &Description, found: &mut Found) {
     let shown = fmu.shown();
     let of_model = [

@@ -1,4 +1,4 @@
-//! The versions of FMI that an FMU can be of, and what differs between them for the packer.
+//! The versions of FMI, and their differences for the packer.
 use crate::xml::{fmi2, fmi3};
 use anyhow::{Result, bail};
 use fmu_cli::Naming;
@@ -15,7 +15,7 @@ pub enum Version {
 }
 
 impl Version {
-    /// What follows the name of the model in the name of the file.
+    /// End of the file name of an FMU, after the name of the model.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Two => "fmu",
@@ -23,7 +23,7 @@ impl Version {
         }
     }
 
-    /// The version that a description is of, by its attribute `fmiVersion`.
+    /// The version of a description, from its attribute `fmiVersion`.
     pub fn of(fmi_version: &str) -> Self {
         if fmi_version.starts_with('3') { Self::Three } else { Self::Two }
     }
@@ -31,7 +31,7 @@ impl Version {
     /// The text of `modelDescription.xml`.
     ///
     /// # Errors
-    /// The model has a name or a text that XML cannot hold, or lacks what a description must say.
+    /// The model has a name or a text that XML cannot represent, or lacks data that a description needs.
     pub fn describe(self, component: &Component, naming: Naming) -> Result<String> {
         match self {
             Self::Two => fmi2::to_xml(component, naming),
@@ -51,7 +51,7 @@ impl Version {
     }
 }
 
-/// This platform's name, after FMI 2.0.5, 2.3; on ARM too it is the one that importers there look for.
+/// Name of this platform according to FMI 2.0.5, 2.3. On ARM it is the name that importers use.
 ///
 /// # Errors
 /// FMI 2.0 has no name for this operating system.
@@ -64,7 +64,7 @@ pub fn platform() -> Result<&'static str> {
     })
 }
 
-/// This platform's name, after FMI 3.0.2, 2.5.1.4: architecture and system.
+/// Name of this platform according to FMI 3.0.2, 2.5.1.4: architecture and system.
 pub fn tuple() -> String {
     let system = if OS == "macos" { "darwin" } else { OS };
     format!("{ARCH}-{system}")

@@ -1,7 +1,7 @@
-//! `cargo fmu view`: one page that moves the mechanism.
+//! `cargo fmu view`: a page with the moving mechanism.
 //!
-//! In: a definition file, a folder that holds one, or an FMU. Out: one HTML file with all that it needs; where the
-//! definition gives no motion, a page that shows how far it comes and why.
+//! In: a definition file, a folder that contains one, or an FMU. Out: one HTML file without other files. If the
+//! definition gives no motion, the page shows how far the definition can be drawn, and the reason.
 
 mod data;
 mod page;
@@ -18,10 +18,10 @@ use linkage_fmu::inspection::Severity;
 pub use page::{Live, as_script, html, live};
 use std::path::{Path, is_separator};
 
-/// Write the page; whether it shows the whole motion that was asked for.
+/// Write the page. Returns whether it shows the whole requested motion.
 ///
 /// # Errors
-/// A path that leads to no mechanism, a start value that no variable takes, or a page that cannot be written.
+/// A path contains no mechanism, a start value is invalid, or the page cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let checked = checked_at(workspace, &arguments.path)?;
     let wanted = Wanted::new(arguments.stop_time, &arguments.start_values)?;
@@ -48,7 +48,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
     let written = format!("{} ({} kB, {})", path.display(), html.len().div_ceil(1000), data.summary());
     match path.is_file() {
         true => println!("{written}"),
-        // The page itself may be what stands in standard output.
+        // The page itself may be on the standard output.
         false => eprintln!("{written}"),
     }
     if arguments.open {

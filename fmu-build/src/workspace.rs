@@ -1,5 +1,5 @@
-//! Where things are. The only part that knows the layout of the repository, and that of an installation, which has the
-//! parts of the repository that tasks read in the same places, with libraries that are built.
+//! Paths of folders and files. Only this module knows the layout of the repository and of an installation. An
+//! installation has the same parts of the repository in the same folders, and prebuilt libraries.
 
 use crate::archive::BINARIES;
 use anyhow::{Context, Result, bail};
@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 
 /// Name of a mechanism's file, in a folder of `modelDescription/` and in an FMU.
 pub const MECHANISM: &str = "mechanism.json";
-/// Folder that holds one folder per FMU.
+/// Folder that contains one folder per FMU.
 const DESCRIPTIONS: &str = "modelDescription";
-/// Folder of the FMU that `package` and `demo` take when none is named.
+/// Folder of the default FMU of `package` and `demo`.
 pub const DEFAULT_FMU: &str = "LandingGearRetraction";
 
-/// Folder of an installation, from that of the environment into which pip has put it.
+/// Folder of an installation, relative to the environment into which pip has installed it.
 pub const INSTALLED: &str = "share/linkage-fmu";
 
 /// The checked-out repository, or an installation.
@@ -26,7 +26,7 @@ pub struct Workspace {
 }
 
 impl Workspace {
-    /// The repository this program was built from; `cargo run` says where that is now.
+    /// The repository from which this program was built. `cargo run` states its present path.
     pub fn locate() -> Self {
         let package =
             env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
@@ -35,11 +35,11 @@ impl Workspace {
         Self { root, is_installed: false }
     }
 
-    /// The installation of the Python package in this folder: `share/linkage-fmu` in the nearest folder above that has
-    /// it, which is that of the Python environment.
+    /// The installation of the Python package in this folder: `share/linkage-fmu` in the nearest parent folder that
+    /// contains it, which is the folder of the Python environment.
     ///
     /// # Errors
-    /// There is none.
+    /// There is no installation.
     pub fn installed(package: &Path) -> Result<Self> {
         let roots = package.ancestors().skip(1).map(|folder| folder.join(INSTALLED));
         match roots.into_iter().find(|root| root.join(BINARIES).is_dir()) {
@@ -52,15 +52,15 @@ impl Workspace {
         }
     }
 
-    /// How the program is called.
+    /// Name with which the user calls the program.
     pub fn program(&self) -> &'static str {
         if self.is_installed { installed::PROGRAM } else { "cargo fmu" }
     }
 
-    /// Whether a task can be done here.
+    /// Check that a task can be run here.
     ///
     /// # Errors
-    /// It works on the source, and this is an installation.
+    /// The task needs the source, and this is an installation.
     pub fn serves(&self, task: &Task) -> Result<()> {
         match installed::needs_source(task) {
             Some(name) if self.is_installed => bail!(
@@ -71,7 +71,7 @@ impl Workspace {
         }
     }
 
-    /// The installation, whose libraries came with the program; None for the repository, where they are built.
+    /// The installation, which contains prebuilt libraries. None for the repository, where libraries are built.
     pub fn installation(&self) -> Option<&Path> {
         self.is_installed.then_some(&self.root)
     }
@@ -81,12 +81,12 @@ impl Workspace {
         &self.root
     }
 
-    /// Folder that holds one folder per FMU.
+    /// Folder that contains one folder per FMU.
     pub fn descriptions(&self) -> PathBuf {
         self.root.join(DESCRIPTIONS)
     }
 
-    /// Every folder of `modelDescription/` that holds a definition file, in the order of their names.
+    /// Every folder of `modelDescription/` with a definition file, sorted by name.
     pub fn description_folders(&self) -> Result<Vec<PathBuf>> {
         let parent = self.descriptions();
         let mut folders = Vec::new();
@@ -101,25 +101,25 @@ impl Workspace {
         Ok(folders)
     }
 
-    /// Whether this folder is where the descriptions of FMUs are kept beside their definitions: `modelDescription/` of
-    /// the repository.
+    /// Whether this folder contains descriptions of FMUs next to their definitions: `modelDescription/` of the
+    /// repository.
     pub fn keeps_descriptions(&self, folder: &Path) -> bool {
         !self.is_installed && self.descriptions().canonicalize().is_ok_and(|own| own == folder)
     }
 
-    /// Where FMUs are written when no other folder is named; the same place whatever `CARGO_TARGET_DIR` says.
+    /// Default folder for FMUs. It does not depend on `CARGO_TARGET_DIR`.
     pub fn fmu_folder(&self) -> PathBuf {
         self.output("fmu")
     }
 
-    /// Where results of this kind are written when no other folder is named: in `target/` of the repository; for an
-    /// installed program here.
+    /// Default folder for results of this kind: in `target/` of the repository, or the present folder for an installed
+    /// program.
     pub fn output(&self, kind: &str) -> PathBuf {
         if self.is_installed { PathBuf::from(".") } else { self.target(kind) }
     }
 
-    /// A folder of what is made on the way: Python's virtual environments, what benchmarks keep. An installed program
-    /// has it in the user's folder for such things.
+    /// A folder for intermediate data: Python's virtual environments, data of benchmarks. For an installed program it
+    /// is in the user's data folder.
     pub fn target(&self, name: &str) -> PathBuf {
         let folder = match self.is_installed {
             true => dirs::cache_dir().unwrap_or_else(env::temp_dir).join(installed::PROGRAM),
@@ -153,12 +153,12 @@ impl Workspace {
         self.root.join("fmu-build").join("python")
     }
 
-    /// What was measured, with the programs that measure and draw it, and the report on the papers.
+    /// Measured results, the programs that measure and draw them, and the report on the papers.
     pub fn validation(&self) -> PathBuf {
         self.root.join("validation")
     }
 
-    /// Mechanisms that other programs fail at, with their films.
+    /// Mechanisms at which other programs fail, with their films.
     pub fn gallery(&self) -> PathBuf {
         self.root.join("docs").join("gallery")
     }
@@ -176,7 +176,7 @@ mod tests {
     use fmu_cli::Cli;
 
     #[test]
-    fn an_installation_without_its_files_is_refused() {
+    fn an_installation_without_its_files_is_rejected() {
         let message = Workspace::installed(Path::new("/nowhere/linkage_fmu")).err().unwrap().to_string();
         assert!(
             message.starts_with("/nowhere/linkage_fmu: ") && message.contains("install the wheel again"),
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn an_installation_refuses_what_needs_the_source() {
+    fn an_installation_rejects_commands_that_need_the_source() {
         let installation = Workspace { root: PathBuf::from("/nowhere"), is_installed: true };
         let serves = |workspace: &Workspace, words: &[&str]| {
             let line = ["linkage-fmu"].iter().chain(words);

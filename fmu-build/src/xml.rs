@@ -1,6 +1,6 @@
 //! The XML files of an FMU and of a system: their writers, and the readers of descriptions and of parameter sets.
 //!
-//! In: the model. Out: the text of each file, the same for the same interface, as none holds a time stamp.
+//! In: the model. Out: the text of each file. It depends only on the interface, because no file contains a time stamp.
 
 pub(crate) mod common;
 pub mod description;

@@ -1,4 +1,4 @@
-//! FMUs of other programs, and archives in the place of a definition, through the commands.
+//! The commands with FMUs of other programs, and with archives instead of a definition.
 #![allow(clippy::unwrap_used)]
 
 use std::io::Write;
@@ -8,7 +8,7 @@ use std::{env, fs, process};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
-/// An FMU of another program, which a host builds of its source; its name would colour a terminal.
+/// An FMU of another program with sources only. Its name contains an escape sequence that would colour a terminal.
 const DESCRIPTION: &str = "<?xml version=\"1.0\"?><fmiModelDescription fmiVersion=\"2.0\" modelName=\"\u{1b}[31mBall\" \
     guid=\"{1}\" generationTool=\"Another\"><ModelExchange \
     modelIdentifier=\"ball\"/><ModelVariables/></fmiModelDescription>";

@@ -1,4 +1,4 @@
-//! What an FMU tells of itself: the page against definition and engine, pictures, reference results, hostile texts.
+//! The documentation in an FMU: the page against definition and engine, pictures, reference results, hostile texts.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::check::{self, Checked};
@@ -30,7 +30,7 @@ fn gear_with(path: &str, value: Value) -> String {
     all.to_string()
 }
 
-/// Call with the subject of a definition.
+/// Call a function with the subject of a definition.
 fn with<T>(kind: &str, text: &str, readme: Option<&str>, call: impl FnOnce(&Subject) -> T) -> T {
     let checked: Checked = check::check("somewhere/else.json".into(), kind, text.to_owned()).unwrap();
     let component = Component::from_definition(kind, text).unwrap();
@@ -50,7 +50,7 @@ fn entry<'a>(made: &'a Made, name: &str) -> &'a str {
     std::str::from_utf8(&entry.content).unwrap()
 }
 
-/// Attribute of the drawn element that stands for a joint.
+/// Position of the drawn element of a joint.
 fn drawn(svg: &str, joint: &str) -> [f64; 2] {
     let mut reader = Reader::from_str(svg);
     loop {
@@ -82,7 +82,7 @@ fn drawn_joints_are_where_the_engine_has_them() {
     let mut gear = Simulation::open(&definition("LandingGearRetraction")).unwrap();
     gear.initialize().unwrap();
     let [crank, follower] = ["crank.angle", "follower.angle"].map(|name| gear.get(name).unwrap());
-    // The ground's pins tell origin and scale; lengths from the definition.
+    // The pins of the ground give origin and scale. The lengths are those of the definition.
     let ([x1, y1], [x4, y4]) = (drawn(svg, "joint1"), drawn(svg, "joint4"));
     let scale = (x4 - x1) / 0.5729;
     assert!(scale > 100.0 && (y1 - y4).abs() < 0.02, "{scale}");
@@ -92,7 +92,7 @@ fn drawn_joints_are_where_the_engine_has_them() {
     ] {
         let [u, v] = drawn(svg, joint);
         let off = (u - x1 - scale * x).hypot(v - y1 + scale * y);
-        // Lengths are written to 0.01 px, of which the scale takes its share.
+        // Lengths are written to 0.01 px. The error of the scale is part of the difference.
         assert!(off < 0.05, "{joint}: {off} px");
     }
 }
@@ -122,13 +122,13 @@ fn every_variable_stands_in_the_page_with_its_unit_and_start() {
 const HOSTILE: &str =
     "</script></svg></style><img src=x onerror=alert(1)><!--\" ' & \u{202e}reversed\u{202c} \u{200f} ]]> {{ 7*7 }}";
 
-/// The same as a reader of XML gives it back, escaped.
+/// The texts after an XML reader, escaped.
 const HOSTILE_READ: &str = "&lt;/script&gt;&lt;/svg&gt;&lt;/style&gt;&lt;img src=x onerror=alert(1)&gt;&lt;!--&quot; \
     &apos; &amp; \u{202e}reversed\u{202c} \u{200f} ]]&gt; {{ 7*7 }}";
 
-/// Texts that HTML, XML and templates would read as their own.
+/// Texts that HTML, XML and templates could interpret.
 #[test]
-fn hostile_texts_stay_texts() {
+fn markup_in_texts_stays_text() {
     let text = gear_with("/description", json!(HOSTILE));
     let readme = format!(
         "# {HOSTILE}\n\n{HOSTILE}\n\n<script>alert(2)</script>\n\n[x](javascript:alert(3)) ![y](https://z/y.png)\n"
@@ -137,11 +137,11 @@ fn hostile_texts_stay_texts() {
     for tag in ["<script", "<img", "<!--", "</style><", "javascript:"] {
         assert!(!page.contains(tag) || tag == "javascript:" && !page.contains("href=\"javascript"), "{tag}");
     }
-    // The drawings of a wide and of a narrow page.
+    // The drawings for a wide and a narrow page.
     assert_eq!(page.matches("</svg>").count(), 2);
     assert_eq!(page.matches("</style>").count(), 1);
     assert!(page.contains("{{ 7*7 }}") && page.contains("\u{202e}reversed"));
-    // Each text of the user stands in an element that keeps its direction to itself.
+    // Each text of the user is in an element that isolates its direction.
     for (at, _) in page.match_indices('\u{202e}') {
         let before = &page[..at];
         let opens = ["<bdi>", "<p>", "<h3>"].iter().filter_map(|tag| before.rfind(tag)).max().unwrap();
@@ -150,9 +150,9 @@ fn hostile_texts_stay_texts() {
     }
 }
 
-/// The format takes names of letters, digits and underscores only; the drawing does not rely on it.
+/// The format allows only names of letters, digits and underscores. The drawing does not rely on this.
 #[test]
-fn hostile_names_in_a_scene_stay_texts() {
+fn markup_in_names_of_a_scene_stays_text() {
     let text = definition("LandingGearRetraction");
     let component = Component::from_definition(MECHANISM, &text).unwrap();
     let Picture::Mechanism { name, mut scene, start, typical, stops } = Picture::new(&component, &text).unwrap() else {
@@ -198,7 +198,7 @@ fn the_page_loads_nothing_and_links_to_what_is_there() {
 }
 
 #[test]
-fn what_is_not_wanted_is_left_out_and_not_linked() {
+fn excluded_documents_are_omitted_and_not_linked() {
     let made = made(MECHANISM, &definition("SliderCrank"), Extent { animation: false, results: false });
     let page = entry(&made, PAGE);
     assert!(!page.contains("animation.html") && !page.contains("fmi-ls-ref"));
@@ -241,7 +241,8 @@ fn reference_results_are_those_of_the_engine() {
     gear.initialize().unwrap();
     for row in &rows {
         let angle = gear.get("crank.angle").unwrap();
-        // The packer's steps end at multiples of the interval, these are equal: they differ by rounding of the time.
+        // The packer's steps end at multiples of the interval, these steps are equal: they differ by rounding of the
+        // time.
         assert!((row[column("crank.angle")] - angle).abs() < 1e-11, "{row:?}");
         gear.step(1e-3).unwrap();
     }
@@ -251,7 +252,7 @@ fn reference_results_are_those_of_the_engine() {
     assert!(lines[1].starts_with("0,30000,") && lines[2].starts_with("0.15,30000,"), "{inputs}");
 }
 
-/// A run that cannot be made leaves an FMU without results, and says so.
+/// If a run fails, the FMU has no results, and a message states this.
 #[test]
 fn a_run_that_ends_early_gives_no_results_but_a_page() {
     let mut all: Value = serde_json::from_str(&definition("LandingGearRetraction")).unwrap();
@@ -270,7 +271,7 @@ fn a_run_that_ends_early_gives_no_results_but_a_page() {
 
 #[test]
 fn the_icon_of_a_flat_start_shows_another_position() {
-    // The gear's crank, coupler and follower on one line have no height.
+    // The gear with crank, coupler and follower on one line has no height.
     let flat = json!({
         "name": "Flat",
         "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 1.0, "shape": "uniform_rod" }, "slider": {
@@ -293,7 +294,7 @@ fn the_icon_of_a_flat_start_shows_another_position() {
 }
 
 #[test]
-fn a_folder_may_hold_any_text_about_the_model() {
+fn a_folder_may_contain_any_text_about_the_model() {
     let folder = std::env::temp_dir().join(format!("fmu-build-documentation-{}", std::process::id()));
     fs::create_dir_all(folder.join("resources")).unwrap();
     fs::write(folder.join("resources").join(MECHANISM), definition("FourBar")).unwrap();
@@ -340,8 +341,8 @@ fn a_scene_names_variables_that_are_there_and_no_shape_twice() {
     }
 }
 
-/// A drive along a prismatic joint has the length of its own variable, as long as that stays positive; one between two
-/// points has no direction.
+/// A drive along a prismatic joint has the length of its own variable, as long as it stays positive. A drive between
+/// two points has no direction in the scene.
 #[test]
 fn a_scene_draws_the_drives_whose_direction_it_has() {
     let drives = include_str!("../../tests/fixtures/two_drives.json");
@@ -354,7 +355,7 @@ fn a_scene_draws_the_drives_whose_direction_it_has() {
     assert_eq!(shape(&scene, "drive.servo"), None, "it turns");
     assert_eq!(shape(&scene_of(&definition("LandingGearRetraction")).0, "drive.actuator"), None);
     let mut shifted: Value = serde_json::from_str(drives).unwrap();
-    // The guide begins beyond the travel of the slider.
+    // The guide starts beyond the travel of the slider.
     shifted["bodies"]["ground"] = json!({ "points": { "far": [9.0, 0.0] } });
     let joint = shifted["actuators"]["ram"]["joint"].as_str().unwrap().to_owned();
     shifted["joints"][&joint]["first"] = json!("ground.far");

@@ -1,4 +1,4 @@
-//! The schema, the examples of the reference and the engine agree on what a hydraulic actuator is.
+//! The schema, the examples of the reference and the engine agree about valid hydraulic actuators.
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::component::{Component, Stepped};

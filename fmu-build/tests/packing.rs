@@ -1,4 +1,4 @@
-//! Folders and disks as they are: what is packed, refused or said to be left out; many programs that write one FMU.
+//! Folders and disks: packed, rejected and omitted files, and many programs that write one FMU.
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
 
@@ -13,10 +13,10 @@ use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 use std::{env, process, thread};
 
-/// Environment variable that makes a test a program which writes an FMU to this path, over and over.
+/// Environment variable that turns a test into a program that writes an FMU to this path repeatedly.
 const WRITES: &str = "FMU_BUILD_TEST_WRITES";
 
-/// A folder that is removed with all that is in it.
+/// A folder that is removed with its contents.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -41,7 +41,7 @@ impl Drop for Folder {
     }
 }
 
-/// A folder with a definition, a page and a file in a folder.
+/// A folder with a definition, a page and a file in a subfolder.
 fn model(test: &str) -> Folder {
     let folder = Folder::new(test);
     let put = |name: &str, text: &str| {
@@ -59,7 +59,7 @@ fn found(folder: &Path) -> anyhow::Result<Source> {
     Source::find(&Workspace::locate(), folder)
 }
 
-/// Names packed, names left out; or the message of the refusal, which is one line.
+/// Names of packed and omitted files, or the error message, which is one line.
 fn packed(folder: &Folder) -> Result<(Vec<String>, Vec<String>), String> {
     let companions = found(&folder.0).and_then(|source| {
         source.text()?;
@@ -75,14 +75,14 @@ fn packed(folder: &Folder) -> Result<(Vec<String>, Vec<String>), String> {
     }
 }
 
-/// The refusal names the path from the folder, and what stands there.
+/// The error message contains the path relative to the folder, and the kind of object.
 fn assert_refused(folder: &Folder, path: &str, words: &str) {
     let message = packed(folder).unwrap_err();
     assert!(message.contains(path) && message.contains(words), "{message}");
 }
 
 #[test]
-fn everything_is_packed_or_said_to_be_left_out() {
+fn every_file_is_packed_or_reported_as_omitted() {
     let folder = model("all");
     for name in ["extra/.git", "extra/vendor/.hidden", "notes.txt", "resources/table.csv", "README.md"] {
         fs::write(folder.0.join(name), "").unwrap();
@@ -95,9 +95,9 @@ fn everything_is_packed_or_said_to_be_left_out() {
     assert_eq!(left_out, expected);
 }
 
-/// A link may lead to any file of the system, to a folder around itself, or nowhere.
+/// A link may lead to any file of the system, to a parent folder, or nowhere.
 #[test]
-fn symbolic_links_are_refused_by_name() {
+fn symbolic_links_are_rejected_with_their_name() {
     for (k, target) in ["/etc/passwd", "/", "..", "data.csv", "nowhere"].into_iter().enumerate() {
         let folder = model(&format!("link{k}"));
         symlink(target, folder.0.join("extra/vendor/link")).unwrap();
@@ -108,7 +108,7 @@ fn symbolic_links_are_refused_by_name() {
 }
 
 #[test]
-fn links_in_the_place_of_a_whole_folder_or_file_are_refused() {
+fn links_instead_of_a_folder_or_file_are_rejected() {
     for name in ["documentation", "extra", "licenses", "model.png", "terminalsAndIcons"] {
         let folder = model(&format!("whole-{name}"));
         let _ = fs::remove_dir_all(folder.0.join(name));
@@ -131,7 +131,7 @@ fn make_pipe(path: &Path) {
 }
 
 #[test]
-fn pipes_and_sockets_are_refused_by_name() {
+fn pipes_and_sockets_are_rejected_with_their_name() {
     let folder = model("pipe");
     make_pipe(&folder.0.join("documentation/pipe"));
     assert_refused(&folder, "documentation/pipe: ", "this is a pipe");
@@ -140,7 +140,7 @@ fn pipes_and_sockets_are_refused_by_name() {
     assert_refused(&folder, "extra/s: ", "this is a socket");
 }
 
-/// Reading a device goes on, and reading a pipe waits, for ever.
+/// Reading a device could continue, and reading a pipe could wait, without end.
 #[test]
 fn a_definition_is_a_regular_file() {
     let message = found(Path::new("/dev/zero")).unwrap_err().to_string();
@@ -152,13 +152,13 @@ fn a_definition_is_a_regular_file() {
     assert_refused(&folder, "resources/mechanism.json: ", "this is a pipe");
     assert!(found(&definition).unwrap_err().to_string().contains("this is not a regular file"));
     fs::remove_file(&definition).unwrap();
-    // Without content on the disk: a file of 1 TB that is all zeros.
+    // A sparse file of 1 TB that contains only zeros.
     fs::File::create(&definition).unwrap().set_len(1 << 40).unwrap();
     assert_refused(&folder, "resources/mechanism.json: ", "bytes, but at most 16777216");
 }
 
 #[test]
-fn names_that_windows_cannot_unpack_are_refused() {
+fn names_that_windows_cannot_unpack_are_rejected() {
     for name in ["CON", "nul.txt", "a:b", "a?", "trailing.", "trailing ", "line\nbreak", "back\\slash"] {
         let folder = model("windows");
         fs::write(folder.0.join("extra").join(name), "").unwrap();
@@ -176,7 +176,7 @@ fn entry(name: &str, content: Vec<u8>) -> Entry {
     Entry { name: name.to_owned(), content }
 }
 
-/// 300 kB that deflate cannot shorten much.
+/// 300 kB that can hardly be compressed.
 fn entries(seed: u64) -> Vec<Entry> {
     let mut state = seed.wrapping_mul(2).wrapping_add(1);
     let noise = (0..300_000).map(|_| {
@@ -187,7 +187,7 @@ fn entries(seed: u64) -> Vec<Entry> {
 }
 
 #[test]
-fn names_that_differ_by_case_are_refused_before_anything_is_written() {
+fn names_that_differ_by_case_are_rejected_before_anything_is_written() {
     let folder = Folder::new("case");
     let path = folder.0.join("A.fmu");
     let error = archive::write(&path, vec![entry("extra/a", vec![]), entry("extra/A", vec![])]).unwrap_err();
@@ -195,7 +195,7 @@ fn names_that_differ_by_case_are_refused_before_anything_is_written() {
     assert!(folder.names().is_empty());
 }
 
-/// The FMU of one of the writers, whole.
+/// Check that the FMU is complete and from one of the writers.
 fn assert_whole(path: &Path, folder: &Folder) {
     let content = fs::read(path).unwrap();
     let own = folder.0.join("whole.fmu");
@@ -221,7 +221,7 @@ fn threads_write_one_fmu_at_the_same_time() {
     assert_whole(&path, &folder);
 }
 
-/// The program that [`writer`] starts; without the variable a test that does nothing.
+/// The program that [`writer`] starts. Without the variable the test does nothing.
 #[test]
 fn writes_an_fmu_over_and_over() {
     let Ok(arguments) = env::var(WRITES) else { return };
@@ -238,7 +238,7 @@ fn writer(seed: u64, path: &Path) -> Child {
     command.env(WRITES, format!("{seed} {}", path.display())).stdout(process::Stdio::null()).spawn().unwrap()
 }
 
-/// Half of eight programs are killed while they write; the others succeed, and nothing but the FMU is left in the end.
+/// Half of eight programs are killed while they write. The others succeed, and in the end only the FMU remains.
 #[test]
 fn programs_write_one_fmu_at_the_same_time_and_some_are_killed() {
     let folder = Folder::new("programs");
@@ -257,14 +257,14 @@ fn programs_write_one_fmu_at_the_same_time_and_some_are_killed() {
     assert_whole(&path, &folder);
 }
 
-/// With a bound on the size of files, writing fails halfway as on a full disk: one message, and what stood there stays.
+/// With a limit on file sizes, writing fails halfway like on a full disk: one message, and the old file remains.
 #[test]
-fn a_write_that_fails_halfway_leaves_what_stood_there() {
+fn a_failed_write_keeps_the_previous_file() {
     let folder = Folder::new("bound");
     let path = folder.0.join("A.fmu");
     archive::write(&path, entries(1)).unwrap();
     let before = fs::read(&path).unwrap();
-    // 64 blocks of 512 or 1024 bytes; the signal that comes with the bound is ignored.
+    // 64 blocks of 512 or 1024 bytes. The signal at the limit is ignored.
     let script = "ulimit -f 64; trap '' XFSZ; exec \"$0\" --exact writes_an_fmu_over_and_over --nocapture";
     let mut command = Command::new("sh");
     command.args(["-c", script]).arg(env::current_exe().unwrap()).env(WRITES, format!("2 {}", path.display()));

@@ -12,7 +12,7 @@ fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/reference/mechanism")
 }
 
-/// Put a part into a whole, entry by entry.
+/// Merge a part into a whole, entry by entry.
 fn merge(whole: &mut Value, part: Value) {
     match (whole, part) {
         (Value::Object(whole), Value::Object(part)) => {
@@ -22,7 +22,7 @@ fn merge(whole: &mut Value, part: Value) {
     }
 }
 
-/// The first example of a page, in the file that the page names above the example.
+/// The first example of a page, in the file that the page names above it.
 fn example(page: &str) -> String {
     let (before, rest) = page.split_once("```json\n").unwrap();
     let part: Value = serde_json::from_str(rest.split_once("```").unwrap().0).unwrap();
@@ -33,7 +33,7 @@ fn example(page: &str) -> String {
     whole.to_string()
 }
 
-/// With LINKAGE_FMU_WRITE set, the committed ones are written anew.
+/// With LINKAGE_FMU_WRITE set, the committed pictures are rewritten.
 #[test]
 fn the_committed_pictures_are_those_of_the_examples() {
     let mut count = 0;

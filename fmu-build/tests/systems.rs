@@ -1,4 +1,4 @@
-//! Systems of FMUs: the examples, a user's own system, what is wrong with one; the schema and the reader agree.
+//! Systems of FMUs: the examples, a user's own system, invalid systems. The schema and the reader agree.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::ssp::{Packable, System};
@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
-/// A folder that is removed with all that is in it.
+/// A folder that is removed with its contents.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -22,7 +22,7 @@ impl Folder {
         Self(path)
     }
 
-    /// Write a file; its path.
+    /// Write a file. Returns its path.
     fn write(&self, name: &str, text: &str) -> PathBuf {
         let path = self.0.join(name);
         fs::write(&path, text).unwrap();
@@ -59,7 +59,7 @@ fn all<'a>(document: &'a Document, name: &'a str) -> impl Iterator<Item = Node<'
     document.descendants().filter(move |node| node.tag_name().name() == name)
 }
 
-/// Connections as `part.output -> part.input`, in order of their names.
+/// Connections as `part.output -> part.input`, sorted by name.
 fn connections(document: &Document) -> Vec<String> {
     let end = |node: &Node, end: &str| {
         let of = |part: &str| node.attribute(format!("{end}{part}").as_str()).unwrap().to_owned();
@@ -159,9 +159,9 @@ fn values_of_a_system_are_in_the_units_of_the_variables_and_read_back() {
     assert!(connections(&document).is_empty() && all(&document, "Connections").next().is_none(), "{text}");
     let sources: Vec<_> = all(&document, "Component").map(|node| node.attribute("source").unwrap()).collect();
     assert_eq!(sources, ["resources/LandingGearRetraction.fmu"; 2]);
-    // The experiment is the longest of the FMUs.
+    // The stop time is the longest stop time of the FMUs.
     assert_eq!(all(&document, "DefaultExperiment").next().unwrap().attribute("stopTime"), Some("0.15"));
-    // The set in the package is itself a file that the program reads.
+    // The program can read the parameter set in the package.
     let set = all(&document, "ParameterSet").next().unwrap();
     let set = text[set.range()].replacen(
         "<ssv:ParameterSet",
@@ -183,9 +183,10 @@ fn values_of_a_system_are_in_the_units_of_the_variables_and_read_back() {
     assert_eq!(enumeration.attribute("name"), Some("solver.method.item"));
 }
 
-/// The acceleration of the first cart is demanded of the second, whose force acts on the first.
+/// The demanded acceleration of the second cart is the acceleration of the first, and the force on the first cart is
+/// the required force of the second.
 #[test]
-fn loops_and_lonely_fmus_are_warned_of() {
+fn algebraic_loops_and_unconnected_fmus_give_warnings() {
     let folder = Folder::new("warnings");
     let cart = folder.write(
         "cart.json",

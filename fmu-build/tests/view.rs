@@ -1,4 +1,4 @@
-//! `cargo fmu view`: poses against closed forms and outputs, pages of sound and of broken definitions, hostile texts.
+//! `cargo fmu view`: poses against closed forms and outputs, pages of valid and invalid definitions, hostile texts.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::archive::{self, Entry};
@@ -57,8 +57,8 @@ fn poses_of_a_slider_crank_are_those_of_the_closed_form() {
         let poses = simulation.model().poses().unwrap();
         let angle = poses[1][0];
         // Outputs come from tables, poses from the exact evaluator.
-        let told = simulation.get("crank.angle").unwrap();
-        assert!((angle - told).abs() < 1e-13 * (1.0 + told.abs()), "{angle} {told}");
+        let computed = simulation.get("crank.angle").unwrap();
+        assert!((angle - computed).abs() < 1e-13 * (1.0 + computed.abs()), "{angle} {computed}");
         // The piston moves on the Y axis: a crank of 0.05 m, a rod of 0.2 m.
         let height = 0.05 * angle.sin() + (0.04 - (0.05 * angle.cos()).powi(2)).sqrt();
         assert!(apart([poses[3][1], poses[3][2]], [0.0, height]) < 1e-14, "{poses:?}");
@@ -67,7 +67,7 @@ fn poses_of_a_slider_crank_are_those_of_the_closed_form() {
         }
         simulation.step(5e-3).unwrap();
     }
-    // The angle counts on over whole turns.
+    // The angle continues over whole turns.
     assert!(simulation.model().poses().unwrap()[1][0] > 20.0);
 }
 
@@ -112,7 +112,7 @@ fn the_travel_goes_from_stop_to_stop_with_all_joints_closed() {
     assert_eq!((sweep.drives[0].0.as_str(), sweep.drives[0].1), ("actuator.length", false));
 }
 
-/// The ends of cylinders have names as stops have.
+/// The ends of cylinders have names, like stops.
 #[test]
 fn a_travel_that_cylinders_end_names_their_ends() {
     let sweep = Simulation::open(&definition("LiftArm")).unwrap().model_mut().sweep(8).unwrap();
@@ -123,7 +123,7 @@ fn a_travel_that_cylinders_end_names_their_ends() {
     assert_eq!([0, 1].map(|k| arm.quantities[k].value), [angles[0], angles[8]]);
 }
 
-/// An error stands in the units of the file.
+/// The error message uses the units of the file.
 #[test]
 fn the_reason_why_there_is_no_motion_is_in_the_units_of_the_file() {
     let text = gear_with("/bodies/coupler/length", json!(0.02));
@@ -143,7 +143,7 @@ fn a_whole_round_is_shown_where_nothing_stops_the_motion() {
     }
 }
 
-/// By virtual work the force that holds a mechanism times the displacement of its drive is the rise of its potential.
+/// By virtual work, holding force x displacement of the drive is the increase of the potential energy.
 #[test]
 fn forces_along_the_travel_agree_with_the_potential() {
     for (name, drive) in [("Jib", "cylinder"), ("FourBar", "drive"), ("LandingGearRetraction", "actuator")] {
@@ -165,7 +165,7 @@ fn forces_along_the_travel_agree_with_the_potential() {
     }
 }
 
-/// The same gear with a prescribed motion, with a hydraulic circuit and with a force has the same forces at rest.
+/// The gear with a prescribed motion, with a hydraulic circuit and with a force has equal forces at rest.
 #[test]
 fn a_prescribed_motion_and_a_circuit_have_forces_at_rest_too() {
     let holding = |name: &str| {
@@ -188,7 +188,7 @@ fn dead_centres_are_those_of_the_closed_form() {
         let angles = &sweep.coordinates[0].1;
         angles[k - 1] + u * (angles[k] - angles[k - 1])
     };
-    // The piston turns back where crank and rod are in line, the rod where the crank is across the piston's axis.
+    // The piston reverses when crank and rod are in line, the rod when the crank is normal to the axis of the piston.
     let of =
         |name: &str| sweep.dead_centres.iter().filter(|(_, of)| of == name).map(|(s, _)| crank(*s)).collect::<Vec<_>>();
     assert!(
@@ -227,7 +227,8 @@ fn an_open_loop_is_shown_at_the_guess_with_its_gap() {
     let text = gear_with("/bodies/coupler/length", json!(0.02));
     let attempt = attempt(&text).unwrap();
     assert!(!attempt.is_assembled);
-    // From the ground's origin over crank and coupler to the follower's end, back along it, at the guess.
+    // From the origin of the ground along crank and coupler to the end of the follower and back along the follower, at
+    // the guess.
     let links = [(0.1755, 0.8_f64), (0.02, 0.46), (-0.34, 2.43)];
     let reached = links.iter().fold([0.0, 0.0], |[x, y], (l, a)| [x + l * a.cos(), y + l * a.sin()]);
     let expected = apart(reached, [0.5729, 0.0]);
@@ -243,7 +244,7 @@ fn an_open_loop_is_shown_at_the_guess_with_its_gap() {
 }
 
 #[test]
-fn what_assembles_but_does_not_run_is_shown_assembled() {
+fn a_mechanism_that_does_not_run_is_shown_assembled() {
     let data = data(&gear_with("/start/angle", json!(1.5)), &[]);
     assert_eq!(data.status, Status::Still);
     assert!(data.still.as_ref().unwrap().is_assembled());
@@ -251,7 +252,7 @@ fn what_assembles_but_does_not_run_is_shown_assembled() {
 }
 
 #[test]
-fn what_cannot_be_read_is_a_page_with_the_error() {
+fn an_unreadable_definition_gives_a_page_with_the_error() {
     for text in ["{", "[]", &gear_with("/joints/joint1/first", json!("ground.nowhere"))] {
         let data = data(text, &[]);
         assert_eq!(data.status, Status::Nothing);
@@ -261,7 +262,7 @@ fn what_cannot_be_read_is_a_page_with_the_error() {
 }
 
 #[test]
-fn start_values_change_the_motion_and_are_refused_by_name() {
+fn start_values_change_the_motion_and_wrong_ones_are_rejected_with_their_name() {
     let crank = |data: &Data| serde_json::to_value(data).unwrap()["motion"]["poses"][1][0]["d"][0].as_i64().unwrap();
     let (plain, turned) = (data(&definition("LandingGearRetraction"), &[]), {
         data(&definition("LandingGearRetraction"), &["crank.start_angle", "30deg", "friction.enabled", "true"])
@@ -277,13 +278,13 @@ fn start_values_change_the_motion_and_are_refused_by_name() {
     }
 }
 
-/// A motion that leaves the travel of its tables is shown as far as it comes.
+/// A motion that ends early is shown up to its end.
 #[test]
 fn a_step_that_cannot_be_made_ends_the_motion_with_its_error() {
     let mut all: Value = serde_json::from_str(&definition("LandingGearRetraction")).unwrap();
     all["solver"] = json!({ "tolerance": 1e-9, "method": "rigid_fem", "fem_step": 1e-5 });
     all["friction"]["enabled"] = json!(false);
-    // The finite elements have no stops: reaching one ends the run.
+    // The finite elements have no stops: reaching a stop ends the run.
     all["experiment"] = json!({ "stop_time": 0.3, "step_size": 0.001 });
     let data = data(&all.to_string(), &[]);
     assert_eq!(data.status, Status::Part);
@@ -297,14 +298,14 @@ const HOSTILE: &str =
     "</script><img src=x onerror=alert(1)><!--\" ' & \u{202e}reversed\u{202c} \u{200f}\u{2028}\u{2029} ]]> {{ 7*7 }}";
 
 #[test]
-fn hostile_texts_stay_texts() {
+fn markup_in_texts_stays_text() {
     let text = gear_with("/description", json!(HOSTILE.replace(['\u{2028}', '\u{2029}'], "")));
     let data = data(&text, &[]);
     let html = view::html(&data).unwrap();
     assert!(!html.contains("<img") && !html.contains("<!--\""));
     assert_eq!(html.matches("</script>").count(), 3, "only the page's own");
     let text = html.split_once("<bdi id=\"lead\">").unwrap().1;
-    assert!(["&lt;&#x2f;script&gt;&lt;img", "&lt;/script&gt;&lt;img"].iter().any(|hostile| text.starts_with(hostile)));
+    assert!(["&lt;&#x2f;script&gt;&lt;img", "&lt;/script&gt;&lt;img"].iter().any(|start| text.starts_with(start)));
     assert!(html.contains("{{ 7*7 }}"));
     let (_, rest) = html.split_once("<script type=\"application/json\" id=\"data\">").unwrap();
     let (json, _) = rest.split_once("</script>").unwrap();
@@ -339,7 +340,7 @@ fn every_mechanism_has_a_page_that_loads_nothing() {
 }
 
 #[test]
-fn a_page_is_written_and_hydraulics_are_refused() {
+fn a_page_is_written_and_hydraulics_are_rejected() {
     let workspace = Workspace::locate();
     let folder = std::env::temp_dir().join(format!("fmu-build-view-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
@@ -353,11 +354,11 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     assert!(view::run(&workspace, &arguments(gear, "gear.html")).unwrap());
     let page = fs::read_to_string(folder.join("gear.html")).unwrap();
     assert!(page.starts_with("<!DOCTYPE html>") && !page.contains("connect-src") && !page.contains("CodeMirror"));
-    // A folder gets the page under the name of the model.
+    // In a folder the page has the name of the model.
     let gear = workspace.descriptions().join("LandingGearRetraction");
     assert!(view::run(&workspace, &arguments(gear, "new/")).unwrap());
     assert!(folder.join("new/LandingGearRetraction.html").exists());
-    // A run of no length is the start.
+    // A run of length 0 is the start.
     let gear = workspace.descriptions().join("LandingGearRetraction");
     assert!(view::run(&workspace, &Arguments { stop_time: Some(0.0), ..arguments(gear, "start.html") }).unwrap());
     assert!(fs::read_to_string(folder.join("start.html")).unwrap().contains("\"count\":1,\"stop_time\":0.0"));
@@ -366,7 +367,7 @@ fn a_page_is_written_and_hydraulics_are_refused() {
     archive::write(&folder.join("Gear.fmu"), vec![entry]).unwrap();
     assert!(view::run(&workspace, &arguments(folder.join("Gear.fmu"), "fmu.html")).unwrap());
     let pages = ["gear.html", "fmu.html"].map(|page| fs::read_to_string(folder.join(page)).unwrap());
-    // Both pages play the same motion; they name other sources.
+    // Both pages show the same motion, but name other sources.
     let motion = |page: &str| page.split_once("\"motion\":").unwrap().1.split_once("</script>").unwrap().0.to_owned();
     assert_eq!(motion(&pages[0]), motion(&pages[1]));
     let broken = folder.join("broken.json");

@@ -10,7 +10,7 @@ import sys
 import tarfile
 from pathlib import Path
 
-# More than the distance between the same code in two libraries.
+# Larger than the distance between equal code in two libraries.
 FILTERS = [{"id": lzma.FILTER_LZMA2, "preset": 6, "dict_size": 1 << 24}]
 
 out = sys.argv[1]

@@ -1,21 +1,21 @@
 //! Check sums and hashes of bytes.
 //!
-//! In: bytes or texts. Out: one number, the same on every machine. It must not know what the bytes mean.
+//! In: bytes or texts. Out: one number, identical on every machine. Must not know: what the bytes mean.
 
 /// FNV-1a with 64 bits: <http://www.isthe.com/chongo/tech/comp/fnv/>.
 pub fn fnv1a(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01B3))
 }
 
-/// FNV-1a with 128 bits, of the texts as if they were one.
+/// FNV-1a with 128 bits of the concatenated texts.
 pub fn fnv1a_128<'a>(texts: impl IntoIterator<Item = &'a str>) -> u128 {
     texts.into_iter().flat_map(str::bytes).fold(0x6C62_272E_07BB_0142_62B8_2175_6295_C58D, |hash, byte| {
         (hash ^ u128::from(byte)).wrapping_mul(0x0000_0000_0100_0000_0000_0000_0000_013B)
     })
 }
 
-/// XXH64 with the seed 0, some bytes in each clock cycle:
-/// <https://github.com/Cyan4973/xxHash/blob/v0.8.3/doc/xxhash_spec.md>.
+/// XXH64 with the seed 0, <https://github.com/Cyan4973/xxHash/blob/v0.8.3/doc/xxhash_spec.md>. Several bytes are
+/// processed in each clock cycle.
 pub fn xxh64(bytes: &[u8]) -> u64 {
     const P: [u64; 5] = [
         0x9E37_79B1_85EB_CA87,
@@ -62,7 +62,7 @@ pub fn xxh64(bytes: &[u8]) -> u64 {
 mod tests {
     use super::*;
 
-    /// Numbers differ by their last byte, or by their signs.
+    /// Similar numbers differ in their last byte, or in their signs.
     #[test]
     fn the_sum_of_words_sees_every_changed_byte_and_every_two_signs() {
         let bytes: Vec<u8> = (0..219_u8).map(|i| i.wrapping_mul(37)).collect();

@@ -1,39 +1,39 @@
-//! Records: numbers one after the other, each in little-endian bytes. One list of fields serves writing and reading.
+//! Records: sequences of numbers as little-endian bytes. Writing and reading use the same list of fields.
 //!
-//! In: fields in a fixed order. Out: bytes; or the fields again, each checked against its range. The bytes do not
-//! depend on the machine. It must not know what the fields mean.
+//! In: fields in a fixed order. Out: bytes; or the fields, each checked against its range. The bytes do not depend on
+//! the machine. Must not know: what the fields mean.
 
-/// Largest small count in a record. Half of the type's range, so that counting on from it does not overflow.
+/// Largest small count in a record. It is half of the type's range, so that later increments do not overflow.
 const LARGEST: u32 = u32::MAX / 2;
 
-/// Why a record cannot be read: it ends too early, or a field is outside its range.
+/// Reason why a record cannot be read: it is too short, or a field is outside its range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damaged(pub String);
 
 impl Damaged {
-    /// Accepts a field for which `allowed` holds.
+    /// Accepts a field if `allowed` is true.
     fn unless(allowed: bool, reason: impl FnOnce() -> String) -> Result<(), Self> {
         if allowed { Ok(()) } else { Err(Self(reason())) }
     }
 }
 
-/// A record being written or read. A field is written unchecked and stays as it is; a field that is read is checked and
-/// replaces the value. Every method refuses a record that has ended, and a field that is out of its range.
+/// A record that is written or read. Writing checks only counters and choices. Reading checks a field and replaces its
+/// value. Every method returns an error at the end of a record that is read, and for a field out of range.
 #[derive(Debug)]
 pub enum Record<'a> {
-    /// Appends to these bytes.
+    /// Fields are appended to these bytes.
     Write(&'a mut Vec<u8>),
     /// The bytes that remain to be read.
     Read(&'a [u8]),
 }
 
 impl Record<'_> {
-    /// Whether fields are read.
+    /// Whether the record is read.
     pub fn reads(&self) -> bool {
         matches!(self, Self::Read(_))
     }
 
-    /// Write these bytes, or read as many: the short way of a field, to be inlined, as most records are written.
+    /// Writes these bytes or reads as many. Inlined, because most records are written.
     #[inline(always)]
     fn bytes<const N: usize>(&mut self, value: [u8; N]) -> Result<[u8; N], Damaged> {
         if let Self::Write(out) = self {
@@ -43,7 +43,7 @@ impl Record<'_> {
         self.read()
     }
 
-    /// The next bytes that are read.
+    /// Reads the next bytes.
     #[inline(never)]
     fn read<const N: usize>(&mut self) -> Result<[u8; N], Damaged> {
         let Self::Read(rest) = self else { return Err(ended()) };
@@ -59,7 +59,7 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// A count of work done, 64 bits.
+    /// A work counter, 64 bits.
     #[inline]
     pub fn count(&mut self, name: &str, value: &mut u64) -> Result<(), Damaged> {
         let limit = u64::MAX / 2;
@@ -103,7 +103,7 @@ impl Record<'_> {
         if word < count as u64 || !self.reads() { Ok(()) } else { Err(not_below(name, word, count)) }
     }
 
-    /// Length of a list, which the reader knows beforehand.
+    /// Length of a list that the reader knows in advance.
     #[inline]
     pub fn length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         if let Self::Write(out) = self {
@@ -116,7 +116,7 @@ impl Record<'_> {
         })
     }
 
-    /// Length of a list of items of at least `each` bytes, which the reader does not know beforehand.
+    /// Length of a list that the reader does not know in advance. Each item has at least `each` bytes.
     pub fn size(&mut self, name: &str, size: &mut usize, each: usize) -> Result<(), Damaged> {
         let mut word = *size as u64;
         self.word(&mut word)?;
@@ -151,7 +151,7 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// A number for which `allowed` holds; `text` states the condition in a message.
+    /// A number for which `allowed` is true. `text` states the condition for the message.
     #[inline]
     pub fn number(
         &mut self,
@@ -203,7 +203,7 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// Any numbers, with how many there are, which the reader knows beforehand.
+    /// Any numbers, preceded by their count, which the reader knows in advance.
     pub fn numbers(&mut self, name: &str, values: &mut [f64]) -> Result<(), Damaged> {
         match self {
             Self::Write(out) => write_numbers(out, values),
@@ -218,8 +218,7 @@ impl Record<'_> {
         Ok(())
     }
 
-    /// An optional value: a flag, then the `fields` of the value if it is present. Reading fills the fields of
-    /// `blank()`.
+    /// An optional value: a flag, then the `fields` of the value if it exists. Reading fills the fields of `blank()`.
     #[inline]
     pub fn option<T>(
         &mut self,
@@ -240,39 +239,39 @@ impl Record<'_> {
     }
 }
 
-/// The record has ended before a field.
+/// The error at the end of a record.
 #[cold]
 fn ended() -> Damaged {
     Damaged("the saved data is incomplete".to_owned())
 }
 
-/// A count is larger than it may be.
+/// The error for a count above its limit.
 #[cold]
 fn beyond(name: &str, value: u64, limit: u64) -> Damaged {
     Damaged(format!("{name} = {value}: must be at most {limit}"))
 }
 
-/// An index is larger than it may be.
+/// The error for an index above its limit.
 #[cold]
 fn not_below(name: &str, value: u64, count: usize) -> Damaged {
     Damaged(format!("{name} = {value}: must be below {count}"))
 }
 
-/// Write what [`Record::numbers`] reads.
+/// Writes numbers for [`Record::numbers`].
 pub fn write_numbers(out: &mut Vec<u8>, values: &[f64]) {
     put(out, (values.len() as u64).to_le_bytes());
     append(out, values);
 }
 
-/// Append a few bytes.
+/// Appends a few bytes.
 #[inline(always)]
 fn put<const N: usize>(out: &mut Vec<u8>, bytes: [u8; N]) {
     out.extend_from_slice(&bytes);
 }
 
-/// Append numbers in little-endian bytes.
+/// Appends numbers in little-endian bytes.
 fn append(out: &mut Vec<u8>, values: &[f64]) {
-    /// Numbers up to which each is appended by itself.
+    /// Largest count for which the numbers are appended one by one.
     const FEW: usize = 4;
     if values.len() <= FEW {
         return values.iter().for_each(|value| put(out, value.to_le_bytes()));
@@ -285,13 +284,13 @@ fn append(out: &mut Vec<u8>, values: &[f64]) {
 
 /// Whether numbers in little-endian bytes are all finite.
 fn are_finite(words: &[[u8; 8]]) -> bool {
-    /// All bits of an exponent: of infinities and NaN.
+    /// Mask of the exponent, whose bits are all set only in infinities and NaN.
     const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
     let has_end = |word: &[u8; 8]| u64::from_le_bytes(*word) & EXPONENT == EXPONENT;
     !words.iter().fold(false, |any, word| any | has_end(word))
 }
 
-/// Give numbers the values in these little-endian bytes.
+/// Sets numbers from little-endian bytes.
 fn fill(values: &mut [f64], words: &[[u8; 8]]) {
     for (value, word) in values.iter_mut().zip(words) {
         *value = f64::from_le_bytes(*word);
@@ -326,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn lists_of_arrays_come_back_and_are_bounded_by_what_there_is() {
+    fn lists_of_arrays_are_restored_and_limited_by_the_bytes() {
         let arrays = vec![[1.0, -2.5, 0.0], [f64::MAX, 1e-300, -0.0]];
         let mut bytes = Vec::new();
         Record::Write(&mut bytes).arrays("a", &mut arrays.clone()).unwrap();
@@ -347,7 +346,7 @@ mod tests {
     }
 
     #[test]
-    fn a_value_out_of_range_is_refused_by_name() {
+    fn a_value_out_of_range_gives_an_error_with_its_name() {
         let mut bytes = Vec::new();
         let mut record = Record::Write(&mut bytes);
         for value in [f64::NAN, f64::INFINITY, -1.0] {

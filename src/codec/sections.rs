@@ -1,7 +1,7 @@
-//! A file of named sections of bytes, each read when it is asked for.
+//! A file of named sections of bytes. Each section is read when it is requested.
 //!
-//! In: names and bytes, and a key that tells what they were made of. Out: the bytes of a file; or the sections of such
-//! a file again, each with its check sum. It must not know what the sections mean.
+//! In: names and bytes, and a key of the source data. Out: the bytes of a file; or the sections of such a file, each
+//! with its check sum. Must not know: what the sections mean.
 //!
 //! Little-endian layout: magic (8 bytes), key (16), number of sections (8), check sum of all these and of the directory
 //! (8); the directory, for each section the hash of its name, its offset, its length, its check sum (8 each); sections.
@@ -11,7 +11,7 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// First bytes of a file; the last one is the version of the layout.
+/// First bytes of a file. The last byte is the version of the layout.
 const MAGIC: [u8; 8] = *b"section2";
 /// Bytes before the directory.
 const HEAD: usize = 40;
@@ -21,7 +21,7 @@ const ENTRY: usize = 32;
 const MOST: usize = 4096;
 /// Largest section that is read [bytes].
 const LARGEST: u64 = 1 << 28;
-/// What is read of a file at first: the head and the directory of some hundred sections.
+/// Number of bytes of the first read: the head and the directory of about a hundred sections.
 const FIRST: u64 = 4096;
 
 /// Sections of one file.
@@ -31,7 +31,7 @@ pub struct Sections {
     directory: Vec<Entry>,
 }
 
-/// Where the bytes are.
+/// Location of the bytes.
 #[derive(Clone, Debug)]
 enum Origin {
     File(PathBuf),
@@ -53,10 +53,10 @@ impl Entry {
     }
 }
 
-/// The bytes of a file with these sections, made of what has this key.
+/// The bytes of a file with these sections. `key` identifies the source data.
 ///
 /// # Panics
-/// Two names of one hash, or more than [`MOST`] sections: a fault of the caller.
+/// Two names with the same hash, or more than [`MOST`] sections: a fault of the caller.
 pub fn encode(key: u128, sections: &[(String, Vec<u8>)]) -> Vec<u8> {
     assert!(sections.len() <= MOST, "{} sections", sections.len());
     let mut offset = (HEAD + ENTRY * sections.len()) as u64;
@@ -86,10 +86,10 @@ fn sum_of(head: &[u8], directory: &[u8]) -> u64 {
 }
 
 impl Sections {
-    /// The sections of a file that were made of what has this key; None if there is no file.
+    /// The sections of a file, if its source data have this key. None if there is no file.
     ///
     /// # Errors
-    /// What is wrong with the file, in words that follow its name.
+    /// The fault of the file, as text that follows its name.
     pub fn open(path: &Path, key: u128) -> Result<Option<Self>, String> {
         let mut start = Vec::new();
         let read = File::open(path).and_then(|file| {
@@ -108,7 +108,7 @@ impl Sections {
         Self::with_start(origin, start, key).map(Some)
     }
 
-    /// The sections in these bytes, made of what has this key.
+    /// The sections in these bytes, if their source data have this key.
     ///
     /// # Errors
     /// As for [`Self::open`].
@@ -146,7 +146,7 @@ impl Sections {
         Ok(Self { origin, directory })
     }
 
-    /// The bytes of a section; None if there is none of this name, or if it cannot be read any more or is damaged.
+    /// The bytes of a section. None if no section has this name, or if the section cannot be read or is damaged.
     pub fn read(&self, name: &str) -> Option<Vec<u8>> {
         let name = fnv1a(name.as_bytes());
         let entry = self.directory.iter().find(|entry| entry.name == name)?;
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn sections_come_back_by_their_names() {
+    fn sections_are_read_by_their_names() {
         for count in [0, 3, 300] {
             let bytes: Arc<[u8]> = encode(7, &sections(count)).into();
             let read = Sections::of_bytes(Arc::clone(&bytes), 7).unwrap();
@@ -197,7 +197,7 @@ mod tests {
         }
     }
 
-    /// Whatever byte is changed and wherever the file ends, a section is whole or there is none.
+    /// For every changed byte and every shortened file, a section is either complete or missing.
     #[test]
     fn a_damaged_file_gives_no_wrong_byte() {
         let whole = encode(7, &sections(4));
@@ -214,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_read_when_a_section_is_asked_for() {
+    fn a_file_is_read_when_a_section_is_requested() {
         let folder = std::env::temp_dir().join(format!("linkage sections {}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
         let path = folder.join("tables.bin");

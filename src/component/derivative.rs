@@ -1,31 +1,30 @@
-//! Directional derivatives of a component: by inputs in a state of motion, by parameters too before the initialisation
-//! ends.
+//! Directional derivatives of a component. Before the initialisation ends, parameters are knowns too.
 //!
-//! In: unknowns, knowns, seeds. Out: derivatives: exact along inputs, by differences of whole models along parameters,
-//! 0 of and along what does not change a little. It must not know any law.
+//! In: unknowns, knowns, seeds. Out: derivatives, which are exact along inputs, and computed from differences of whole
+//! models along parameters. They are 0 for variables that cannot change continuously. Must not know: any law.
 use super::{Component, Refused};
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Causality, Kind, Reference, Unit, Variable};
 
-/// First change of a known for a difference, relative to its value. Differences at h and h / 2 are extrapolated, so
-/// that the error is about h^4 of what the fifth derivative gives, and rounding over h.
+/// Relative change h of a known for a difference. Differences at h and h / 2 are extrapolated, so that the error is of
+/// order h^4 (fifth derivative), plus the rounding error divided by h.
 const STEP: f64 = 1e-3;
-/// How often the change is made four times smaller where a changed model has no start.
+/// How often the change is divided by 4 if a changed model has no start position.
 const TRIALS: usize = 6;
 
-/// The values of all unknowns at some of the distances along a direction.
+/// The values of all unknowns at one distance along a direction.
 type Values = Vec<f64>;
 
 impl Component {
-    /// For each unknown the sum over the knowns of the partial derivative times the seed, at the present state;
-    /// `report` is called once for each unknown, with its index, and with NaN where there is no derivative.
-    /// `is_initial`: initialization mode has not ended, so that parameters are knowns too.
+    /// For each unknown, the sum over the knowns of partial derivative times seed, at the present state. `report` is
+    /// called once for each unknown, with its index and the value, or NaN if the derivative does not exist.
+    /// `is_initial`: initialization mode has not ended, and parameters are knowns too.
     ///
-    /// Booleans and Enumerations do not change a little: the derivative of and along one is 0.
+    /// Booleans and Enumerations cannot change continuously: derivatives of them and along them are 0.
     ///
     /// # Errors
-    /// An unknown that is not computed, a known that cannot be set now, a seed that is not finite, a model without
-    /// derivatives; no model that is changed a little has a start.
+    /// An unknown that is not computed, a known that cannot be set in this phase, or a seed that is not finite. A model
+    /// without derivatives, or no slightly changed model has a start position.
     pub fn directional_derivative(
         &mut self,
         is_initial: bool,
@@ -51,15 +50,15 @@ impl Component {
                 report(smooth[i], value);
             });
         }
-        if is_initial && self.takes_differences(unknowns, knowns) {
+        if is_initial && self.needs_differences(unknowns, knowns) {
             return self.difference(unknowns, knowns, seeds, report);
         }
         each!(self, model => Ok(model.directional_derivative(unknowns, knowns, seeds, report)?))
     }
 
-    /// Whether a derivative of initial values follows from differences: one by a parameter, of a calculated parameter
-    /// or of a state, or by inputs that decide the start.
-    fn takes_differences(&self, unknowns: &[Reference], knowns: &[Reference]) -> bool {
+    /// Whether the derivatives of initial values are computed from differences. This is so if a known is a parameter,
+    /// if an unknown is a calculated parameter or a state, or if inputs determine the start.
+    fn needs_differences(&self, unknowns: &[Reference], knowns: &[Reference]) -> bool {
         let of = |reference: &Reference| self.interface().get(*reference);
         let states = self.continuous_time().map_or_else(Vec::new, |all| [all.states, all.derivatives].concat());
         let is_computed = |v: &Variable, reference: &Reference| {
@@ -73,7 +72,7 @@ impl Component {
         fits && (self.starts_by_inputs() || knowns.iter().any(is_parameter) || unknowns.iter().any(is_other))
     }
 
-    /// Whether inputs decide where the model starts.
+    /// Whether inputs determine the start position.
     fn starts_by_inputs(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.starts_by_inputs(),
@@ -81,7 +80,7 @@ impl Component {
         }
     }
 
-    /// Derivatives of initial values by differences of models that are changed along the seeds.
+    /// Derivatives of initial values from differences between models that are changed along the seeds.
     fn difference(
         &mut self,
         unknowns: &[Reference],
@@ -131,7 +130,7 @@ impl Component {
         )))
     }
 
-    /// Values of the unknowns at the start of the model whose knowns are changed by the distance times the seeds.
+    /// Values of the unknowns at the start of a model whose knowns are changed by `distance` times the seeds.
     fn initial_values(
         &self,
         unknowns: &[Reference],
@@ -153,13 +152,13 @@ impl Component {
     }
 }
 
-/// Central differences at h and h / 2, extrapolated to 0 (Richardson).
+/// Derivative from central differences at h and h / 2, by Richardson's extrapolation to h = 0.
 fn extrapolated(wide: [&Values; 2], narrow: [&Values; 2], h: f64) -> Values {
     let slope = |[high, low]: [&Values; 2], i: usize, h: f64| (high[i] - low[i]) / (2.0 * h);
     (0..wide[0].len()).map(|i| (4.0 * slope(narrow, i, h / 2.0) - slope(wide, i, h)) / 3.0).collect()
 }
 
-/// The difference of third order at 0, h / 3, 2 h / 3 and h, where the other side has no values.
+/// Derivative from the one-sided difference formula of third order with values at 0, h / 3, 2 h / 3 and h.
 fn one_sided(at: &mut impl FnMut(f64) -> Result<Values, Refused>, h: f64) -> Result<Values, Refused> {
     let step = h / 3.0;
     let [a, b, c, d] = [at(0.0)?, at(step)?, at(2.0 * step)?, at(h)?];

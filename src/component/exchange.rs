@@ -1,12 +1,12 @@
-//! Model exchange: what the solver of a host asks of a component.
+//! Model exchange: the functions of a component for the solver of a host.
 //!
-//! In: states that the solver tries. Out: derivatives, event indicators, what is due. It must not know any law.
+//! In: trial states of the solver. Out: derivatives, event indicators, pending transitions. Must not know: any law.
 use super::{Component, MOST_STATES, NoValue, Refused};
 use crate::mechanism;
 use crate::variables::{ContinuousTime, Reference};
 
 impl Component {
-    /// The variables that a host's solver integrates; none if the model is for co-simulation only.
+    /// The variables that a host's solver integrates. None if the model is for co-simulation only.
     pub fn continuous_time(&self) -> Option<ContinuousTime> {
         match self {
             Self::Mechanism(model) => model.continuous_time(),
@@ -22,7 +22,7 @@ impl Component {
         }
     }
 
-    /// References of the event indicators, which are declared one after the other.
+    /// References of the event indicators, which are consecutive.
     pub fn indicators(&self) -> std::ops::Range<Reference> {
         match self {
             Self::Mechanism(model) => model.indicators(),
@@ -30,16 +30,16 @@ impl Component {
         }
     }
 
-    /// Serve model exchange from now on.
+    /// Prepares the component for model exchange.
     ///
     /// # Errors
     /// The model is for co-simulation only.
     pub fn serve_exchange(&mut self) -> Result<(), Refused> {
-        Ok(self.exchanged()?.serve_exchange()?)
+        Ok(self.exchange_model()?.serve_exchange()?)
     }
 
-    /// The model, of the kind that serves model exchange.
-    fn exchanged(&mut self) -> Result<&mut mechanism::Model, Refused> {
+    /// The model, if its kind supports model exchange.
+    fn exchange_model(&mut self) -> Result<&mut mechanism::Model, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model),
             Self::Hydraulic(_) => Err(Refused(
@@ -49,41 +49,41 @@ impl Component {
         }
     }
 
-    /// The continuous states: [`Self::state_count`] numbers, then zeros. Refused: the present parameters give no start.
+    /// The continuous states: [`Self::state_count`] numbers, then zeros. Error: the present parameters allow no start.
     pub fn continuous_states(&mut self) -> Result<[f64; MOST_STATES], Refused> {
-        Ok(self.exchanged()?.continuous_states()?)
+        Ok(self.exchange_model()?.continuous_states()?)
     }
 
-    /// Scales of the continuous states. Refused: as [`Self::continuous_states`].
+    /// Nominal values of the continuous states. Error: as [`Self::continuous_states`].
     pub fn nominals(&mut self) -> Result<[f64; MOST_STATES], Refused> {
-        Ok(self.exchanged()?.nominals()?)
+        Ok(self.exchange_model()?.nominals()?)
     }
 
-    /// Take the states that the host's solver tries: position, speed, then integral parts. Integral parts that are not
-    /// given stay.
+    /// Sets trial states of the host's solver: position, speed, then integral parts. Integral parts that are not given
+    /// keep their values.
     ///
     /// # Errors
-    /// A state that is not finite, or at which there is no mechanism; nothing has changed.
+    /// A state that is not finite, or a position that the mechanism does not have. Nothing has changed.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), NoValue> {
-        Ok(self.exchanged().map_err(NoValue::Refused)?.set_continuous_states(states)?)
+        Ok(self.exchange_model().map_err(NoValue::Refused)?.set_continuous_states(states)?)
     }
 
     /// Time derivatives of the continuous states.
     ///
     /// # Errors
-    /// There are none at this state.
+    /// The derivatives do not exist in this state.
     pub fn derivatives(&mut self) -> Result<[f64; MOST_STATES], NoValue> {
-        Ok(self.exchanged().map_err(NoValue::Refused)?.derivatives()?)
+        Ok(self.exchange_model().map_err(NoValue::Refused)?.derivatives()?)
     }
 
-    /// The time at which values are asked for in model exchange [s].
+    /// Sets the time [s] for values in model exchange.
     pub fn set_time(&mut self, time: f64) {
         if let Self::Mechanism(model) = self {
             model.set_time(time);
         }
     }
 
-    /// The next event that is known before, in model exchange [s].
+    /// Time [s] of the next event that is known in advance, in model exchange.
     pub fn next_event(&self) -> Option<f64> {
         match self {
             Self::Mechanism(model) => model.next_event(),
@@ -91,8 +91,8 @@ impl Component {
         }
     }
 
-    /// A step of the host's solver is complete: whether event mode is to be entered. Refused: not initialised.
+    /// Ends a step of the host's solver. Returns whether the host must enter event mode. Error: not initialised.
     pub fn completed_step(&mut self) -> Result<bool, Refused> {
-        Ok(self.exchanged()?.completed_step()?)
+        Ok(self.exchange_model()?.completed_step()?)
     }
 }

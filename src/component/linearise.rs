@@ -1,15 +1,15 @@
 //! Linearisation of a component along its travel.
 //!
-//! In: a component, a coordinate, inputs, outputs. Out: matrices, eigenfrequencies, equilibria. It must not know how
-//! they are found.
+//! In: a component, a coordinate, inputs, outputs. Out: matrices, eigenfrequencies, equilibria. Must not know: how they
+//! are computed.
 use super::{Component, Refused};
 pub use crate::mechanism::{Linearisation, Linearised};
 
 impl Component {
-    /// Linearise at rest at the start.
+    /// Linearises at rest at the start position.
     ///
     /// # Errors
-    /// The component has no travel; the present parameters give no model; a variable of another kind than is asked for.
+    /// The component has no travel, the present parameters allow no model, or a variable has the wrong kind.
     pub fn linearise_here(&mut self, what: &Linearisation) -> Result<Linearised, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.linearise_here(what)?),
@@ -17,7 +17,7 @@ impl Component {
         }
     }
 
-    /// Linearise at rest at `count` + 1 positions of the travel.
+    /// Linearises at rest at `count` + 1 positions of the travel.
     ///
     /// # Errors
     /// As [`Self::linearise_here`].
@@ -28,8 +28,8 @@ impl Component {
         }
     }
 
-    /// The coordinate that states the start or else the first: the output whose value and rate are the natural state of
-    /// a linearisation. None without a travel.
+    /// Natural coordinate of a linearisation: the output whose value and rate form the state. This is the coordinate
+    /// that states the start, or else the first coordinate. None for a component without travel.
     pub fn natural_coordinate(&self) -> Option<crate::variables::Reference> {
         let variables = match self {
             Self::Mechanism(model) => model.variables(),

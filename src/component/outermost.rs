@@ -1,6 +1,6 @@
 //! Keys of a definition file before its kind is known.
 
-/// Keys of the outermost object of a text that may be no JSON: words in quotation marks with a colon behind them.
+/// Keys of the outermost object of a text: words in quotation marks followed by a colon. The text may be invalid JSON.
 pub fn outermost_keys(text: &str) -> Vec<&str> {
     let (mut keys, mut depth, mut rest) = (Vec::new(), 0, text);
     while let Some(at) = rest.find(['{', '}', '[', ']', '"']) {

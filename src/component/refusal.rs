@@ -1,12 +1,11 @@
-//! Why a component refuses a call, or has no value in a trial state.
+//! Reasons why a component returns an error, or has no value in a trial state.
 //!
-//! In: the error of a model of any kind. Out: its text. It must not know what was asked.
+//! In: the error of a model of any kind. Out: its text. Must not know: the call.
 use crate::hydraulics::HydraulicsError;
 use crate::mechanism::{self, ModelError};
 use std::fmt;
 
-/// Why a model refuses a call; the model is unchanged. The text names the quantity, the value, the limit and the
-/// remedy.
+/// Error of a model, which is unchanged. The text states the quantity, the value, the limit and the remedy.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refused(pub String);
 
@@ -32,12 +31,12 @@ impl From<HydraulicsError> for Refused {
     }
 }
 
-/// Why a question of a host's solver has no answer; the model is unchanged.
+/// Reason why a value for a host's solver does not exist. The model is unchanged.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoValue {
-    /// There is no value at this trial state: a shorter step of the solver avoids it.
+    /// The value does not exist at this trial state. A shorter step of the solver avoids the state.
     AtState(String),
-    /// Whatever the state.
+    /// The call is wrong in every state.
     Refused(Refused),
 }
 

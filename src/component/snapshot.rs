@@ -1,11 +1,11 @@
 //! The complete state of a component: saved and restored.
 //!
-//! In: a component. Out: its snapshot, the bytes of a snapshot and back. It must not know the contents of a snapshot.
+//! In: a component. Out: its snapshot, the bytes of a snapshot and back. Must not know: the contents of a snapshot.
 use super::{Component, Refused};
 use crate::hydraulics::any::AnySnapshot;
 use crate::mechanism;
 
-/// All that decides how a component goes on.
+/// All data that determine how the simulation of a component continues.
 #[derive(Clone, Debug)]
 pub struct Snapshot {
     /// [`Component::identity`] of the component.
@@ -30,7 +30,7 @@ fn of_another() -> Refused {
 }
 
 impl Component {
-    /// All that decides how the component goes on.
+    /// Saves all data that determine how the simulation of the component continues.
     pub fn snapshot(&self) -> Snapshot {
         let of = match self {
             Self::Mechanism(model) => Kind::Mechanism(model.snapshot()),
@@ -39,8 +39,8 @@ impl Component {
         Snapshot { identity: self.identity(), of }
     }
 
-    /// [`Self::snapshot`] into an existing snapshot, without allocation if it is of this identity and both are in
-    /// motion by the same method.
+    /// [`Self::snapshot`] into an existing snapshot, without allocation if the snapshot has this identity, and both are
+    /// in motion with the same integration method.
     #[inline]
     pub fn snapshot_into(&self, snapshot: &mut Snapshot) {
         match (self, &mut snapshot.of) {
@@ -51,10 +51,10 @@ impl Component {
         }
     }
 
-    /// Go on from a snapshot of a component of this identity.
+    /// Restores a snapshot of a component with this identity.
     ///
     /// # Errors
-    /// The snapshot is of another identity, or the state cannot be taken; nothing has changed.
+    /// The snapshot has another identity, or the state cannot be restored. Nothing has changed.
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Refused> {
         if snapshot.identity != self.identity() {
@@ -68,10 +68,10 @@ impl Component {
         if is_own { Ok(()) } else { Err(of_another()) }
     }
 
-    /// Read a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
+    /// Reads a snapshot that [`Snapshot::write`] has written for this identity. The component is unchanged.
     ///
     /// # Errors
-    /// The bytes are no snapshot, or a value is out of range.
+    /// The bytes are not a snapshot, or a value is out of range.
     pub fn read_snapshot(&self, bytes: &[u8]) -> Result<Snapshot, Refused> {
         let of = match self {
             Self::Mechanism(model) => Kind::Mechanism(model.read_snapshot(bytes)?),
@@ -82,7 +82,7 @@ impl Component {
 }
 
 impl Snapshot {
-    /// [`Component::identity`] of the components that take it.
+    /// [`Component::identity`] of the components that can restore the snapshot.
     pub fn identity(&self) -> [u64; 2] {
         self.identity
     }
@@ -95,10 +95,10 @@ impl Snapshot {
         }
     }
 
-    /// Write all fields, which stay as they are.
+    /// Writes all fields, which do not change.
     ///
     /// # Errors
-    /// A count of work done is near overflow.
+    /// A work counter is near overflow.
     pub fn write(&mut self, out: &mut Vec<u8>) -> Result<(), Refused> {
         match &mut self.of {
             Kind::Mechanism(snapshot) => Ok(snapshot.write(out)?),

@@ -1,35 +1,35 @@
 //! Steps of a component, and the events in them.
 //!
-//! In: the length of a step, the host's time. Out: how far the component has come, and what happened on the way. It
-//! must not know how a model makes a step.
+//! In: the size of a step, the host's time. Out: the part of the step that was made, and the occurrences in it. Must
+//! not know: how a model makes a step.
 use super::{Component, Refused};
 use crate::hydraulics::HydraulicsError;
 use crate::mechanism::{Line, ModelError, Pauses, Reached};
 use crate::numerics::decimal::Decimal;
 
-/// How far a step has come.
+/// Result of a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Stepped {
-    /// To its end.
+    /// The whole step was made.
     Whole,
-    /// To a state before its end, in which the model is now.
+    /// A part of the step was made. The model is in the state at the time reached.
     Part(Interrupted),
-    /// Nowhere: the step could not be computed, and the model is in the state before it.
+    /// The step could not be computed. The model is in the state before the step.
     Failed(Refused),
 }
 
-/// Where a step has ended that may pause.
+/// Result of a step that may pause.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Paused {
-    /// At its end.
+    /// The whole step was made.
     AtEnd,
-    /// At an event, so long after its beginning [s], that [`Component::handle_event`] handles.
+    /// The step ended at an event for [`Component::handle_event`]. Value: time since the start of the step [s].
     AtEvent(f64),
-    /// At the end of an internal step, so long after its beginning [s].
+    /// The step paused at the end of an internal step. Value: time since the start of the step [s].
     AtStep(f64),
-    /// At a state before its end, as the step met a bound.
+    /// A part of the step was made, because the step reached `solver.max_steps`.
     Part(Interrupted),
-    /// Nowhere, as [`Stepped::Failed`].
+    /// The step could not be computed, as in [`Stepped::Failed`].
     Failed(Refused),
 }
 
@@ -43,19 +43,19 @@ impl From<Stepped> for Paused {
     }
 }
 
-/// A step that met `solver.max_steps`.
+/// A step that reached `solver.max_steps`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interrupted {
-    /// Time from the beginning of the step to the state reached [s], less than the step.
+    /// Time from the start of the step to the state reached [s], less than the size of the step.
     pub time: f64,
-    /// What took so many steps, how far they came, and the remedy.
+    /// Reason for the number of steps, the time reached, and the remedy.
     pub why: String,
 }
 
-/// How far a step of a mechanism has come that did not come to its end.
+/// Result of a step of a mechanism that ended with an error.
 ///
 /// # Errors
-/// The step was refused before it began.
+/// The step was rejected before it started.
 #[cold]
 fn stepped(error: ModelError) -> Result<Stepped, Refused> {
     match error {
@@ -65,10 +65,10 @@ fn stepped(error: ModelError) -> Result<Stepped, Refused> {
     }
 }
 
-/// How far a step of a hydraulic model has come that did not come to its end.
+/// Result of a step of a hydraulic model that ended with an error.
 ///
 /// # Errors
-/// The step was refused before it began.
+/// The step was rejected before it started.
 #[cold]
 fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
     match error {
@@ -79,7 +79,7 @@ fn stepped_hydraulic(error: HydraulicsError) -> Result<Stepped, Refused> {
 }
 
 impl Component {
-    /// [`Self::step_from`] at the model's own time since the start.
+    /// [`Self::step_from`] with the model's time since the start.
     ///
     /// # Errors
     /// As [`Self::step_from`].
@@ -87,12 +87,12 @@ impl Component {
         self.step_from(None, h)
     }
 
-    /// Advance from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as
+    /// Advances from the host's time `point` [s], if it has one, by exactly `h` [s], > 0, or as far as
     /// `solver.max_steps` allows.
     ///
     /// # Errors
-    /// Refused before the step began, without any change: not initialised, `h` out of range, inputs whose loads
-    /// overflow.
+    /// The step was rejected before it started, without any change: not initialised, `h` out of range, or inputs whose
+    /// loads overflow.
     #[inline]
     pub fn step_from(&mut self, point: Option<f64>, h: f64) -> Result<Stepped, Refused> {
         match self {
@@ -101,7 +101,7 @@ impl Component {
         }
     }
 
-    /// Whether a step may come to an event, as where a stop is met or lets go, or a valve opens.
+    /// Whether an event may occur in a step, for example contact with a stop, its release, or the opening of a valve.
     pub fn has_events(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_events(),
@@ -109,12 +109,12 @@ impl Component {
         }
     }
 
-    /// Whether a step tells its internal steps.
+    /// Whether a step can pause after its internal steps.
     pub fn has_internal_steps(&self) -> bool {
         matches!(self, Self::Mechanism(_))
     }
 
-    /// [`Self::step_from`], but only to where it pauses first. At an event the state is that before the event.
+    /// [`Self::step_from`] up to the first pause. At an event the state is that before the event.
     ///
     /// # Errors
     /// As [`Self::step_from`].
@@ -135,11 +135,11 @@ impl Component {
         }
     }
 
-    /// Handle the event to which a step has led, at the time `point` [s] of the host: the state is then that after it.
-    /// Returns whether the state has jumped. Without an event nothing changes.
+    /// Handles the event at which a step ended, at the host's time `point` [s]. The state is then that after the event.
+    /// Returns whether the state jumped. Without an event nothing changes.
     ///
     /// # Errors
-    /// The state after the event cannot be computed; nothing has changed.
+    /// The state after the event cannot be computed. Nothing has changed.
     pub fn handle_event(&mut self, point: f64) -> Result<bool, Refused> {
         match self {
             Self::Mechanism(model) => Ok(model.handle_event(Some(point))?),
@@ -150,7 +150,7 @@ impl Component {
         }
     }
 
-    /// Keep events in steps, or details, for [`Self::take_occurrences`], or do not.
+    /// Switches the recording of events and of details in steps for [`Self::take_occurrences`].
     #[inline]
     pub fn listen(&mut self, events: bool, details: bool) {
         if let Self::Mechanism(model) = self {
@@ -158,7 +158,7 @@ impl Component {
         }
     }
 
-    /// What happened in the last step, which began at the time `point` [s], in words; nothing mostly.
+    /// Texts about the occurrences in the last step, which started at the time `point` [s]. Usually empty.
     #[inline]
     pub fn take_occurrences(&mut self, point: f64) -> Vec<Line> {
         match self {
@@ -173,7 +173,7 @@ impl Component {
         }
     }
 
-    /// That the model has grown with its motion, told once; None mostly.
+    /// Text that the model has grown with its motion, returned once. Usually None.
     #[inline]
     pub fn take_growth(&mut self) -> Option<String> {
         match self {

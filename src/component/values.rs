@@ -1,13 +1,13 @@
-//! Several values that are set together.
+//! Setting of several values together.
 //!
-//! In: references and values. Out: the component with all of these values, or with none. It must not know the host.
+//! In: references and values. Out: the component with all of these values, or with none. Must not know: the host.
 use super::{Component, Refused};
 use crate::variables::Reference;
 
 impl Component {
-    /// Most Reals that are set in one call of [`Self::set_reals`]. Those of a mechanism are set together, as a number
-    /// by an expression may follow from several. Those of a hydraulic model are set one after the other, as the check
-    /// of a value may depend on a value before it.
+    /// Largest number of Reals in one call of [`Self::set_reals`]. Reals of a mechanism are set together, because the
+    /// value of an expression may depend on several of them. Reals of a hydraulic model are set one by one, because the
+    /// check of a value may depend on the values before it.
     pub fn most_together(&self) -> usize {
         match self {
             Self::Mechanism(_) => usize::MAX,
@@ -15,10 +15,10 @@ impl Component {
         }
     }
 
-    /// Set Reals, all or none.
+    /// Sets Reals. After an error, no value has changed.
     ///
     /// # Errors
-    /// The model refuses one of them, or what follows from them.
+    /// The model rejects one of the values, or a value that is calculated from them.
     pub fn set_reals(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refused> {
         let all = || references.iter().zip(values);
         all().try_for_each(|(&reference, &value)| self.check_real(reference, value))?;

@@ -1,7 +1,7 @@
-//! The shared library that goes into every FMU of a mechanism without hydraulics.
+//! The shared library of every FMU of a mechanism without hydraulics.
 //!
-//! In: the functions of FMI 2.0 and 3.0. Out: a library that exports these, by their names in C, and nothing else. It
-//! must not know what they do.
+//! In: the functions of FMI 2.0 and 3.0. Out: a library that exports only these functions, by their C names. Must not
+//! know: what they do.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 use linkage_fmu::component::{ModelKind, PLAIN_MECHANISM};

@@ -1,17 +1,18 @@
-//! Which variable may be read or set in which phase (FMI 2.0.5, 2.2.7).
+//! Permission to read or set a variable in each phase (FMI 2.0.5, 2.2.7).
 //!
 //! In: the instance, a value reference and the kind that the called function handles. Out: permission, or a refusal
-//! that names the variable. This file must not know how a value is found.
+//! that names the variable. Must not know: how a value is found.
 
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::Refusal;
 use crate::variables::{Causality, Kind, Reference, Variability, Variable};
 
-/// Permission to read: inputs and parameters always, what is computed from initialization mode on.
+/// Permission to read. Inputs and parameters can be read in every phase, outputs and local variables from
+/// initialization mode on.
 ///
 /// # Errors
-/// An unknown reference, another type, or what is computed before initialization mode.
+/// An unknown reference, a variable of another kind, or an output or local variable before initialization mode.
 #[inline]
 pub fn may_get(instance: &Instance, reference: Reference, kind: Kind) -> Result<(), Refusal> {
     let early = instance.phase == Phase::Instantiated;
@@ -24,7 +25,7 @@ pub fn may_get(instance: &Instance, reference: Reference, kind: Kind) -> Result<
 /// [`may_get`] of several variables.
 ///
 /// # Errors
-/// As [`may_get`], of the first that may not be read.
+/// As [`may_get`], for the first variable that may not be read.
 #[inline]
 pub fn may_get_all(instance: &Instance, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
     let (list, early) = (instance.component.interface().list(), instance.phase == Phase::Instantiated);
@@ -53,20 +54,21 @@ fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
     }
 }
 
-/// How a variable that may be set is set.
+/// How the value of a settable variable is applied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Way {
-    /// At once.
+    /// The component stores the value.
     Set,
-    /// Parameter, whose value changes the laws of a motion that has begun.
+    /// Tunable parameter: the new value changes the laws of a running simulation.
     Tuned,
 }
 
-/// Permission to set: inputs always, parameters until initialization mode ends, tunable ones also between steps and in
-/// event mode, what is computed never.
+/// Permission to set. Inputs can be set in every phase, except for discrete inputs in continuous-time mode. Parameters
+/// can be set until initialization mode ends. Tunable parameters can also be set between steps and in event mode.
+/// Outputs and local variables can never be set.
 ///
 /// # Errors
-/// An unknown reference, another type, or a variable that is not the host's to set now.
+/// An unknown reference, a variable of another kind, or a variable that the host may not set in this phase.
 pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<Way, Refusal> {
     let variable = of_kind(instance, reference, kind)?;
     let reason = match (variable.causality, instance.phase) {
@@ -82,7 +84,7 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
             "a tunable parameter; in model exchange set it in event mode"
         }
         (Causality::Parameter, _) => "a fixed parameter; set it before initialization mode ends, or after a reset",
-        // The component names the parameters that decide it.
+        // The component returns the error, which names the parameters that determine the value.
         (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
         (Causality::CalculatedParameter, _) => "a calculated parameter, which cannot be set",
         (Causality::Output, _) => "an output, which cannot be set",
@@ -91,7 +93,7 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
     Err(Refusal::error(format!("'{}' (value reference {reference}) is {reason}", variable.name)))
 }
 
-/// The variable with this reference, if it is of this kind.
+/// The variable with this reference, if the variable is of this kind.
 ///
 /// # Errors
 /// An unknown reference, or a variable of another kind.
@@ -102,16 +104,17 @@ pub fn of_kind(instance: &Instance, reference: Reference, kind: Kind) -> Result<
     }
 }
 
-/// Refuse every variable of a type that none has; the empty list is done. `type_name` is the version's.
+/// Rejects the first reference of a call for a type that no variable has. An empty list is accepted. `type_name` is the
+/// type's name in the version of FMI.
 pub fn none_of_type(instance: &Instance, references: &[Reference], type_name: &str) -> Result<(), Refusal> {
     let refusal = |&reference: &Reference| not_of_type(instance, reference, type_name, NONE);
     references.first().map_or(Ok(()), |reference| Err(refusal(reference)))
 }
 
-/// Value references of a type that no variable has, for messages.
+/// Text for the value references of a type that no variable has.
 const NONE: &str = "there are none";
 
-/// The refusal of a reference that is not of this type; `range` says which are.
+/// The refusal of a reference whose variable is not of this type. `range` lists the references of the type.
 #[cold]
 fn not_of_type(instance: &Instance, reference: Reference, type_name: &str, range: &str) -> Refusal {
     let what = match instance.described(reference) {

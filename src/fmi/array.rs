@@ -1,7 +1,7 @@
 //! The host's arrays and strings as slices.
 //!
-//! In: raw pointers with a length. Out: slices, or a refusal that names the argument. An empty array may be NULL.
-//! It must not know what the elements mean.
+//! In: raw pointers with a length. Out: slices, or a refusal that names the argument. An empty array may be NULL. Must
+//! not know: what the elements mean.
 #![allow(unsafe_code)]
 
 use super::refusal::Refusal;
@@ -11,43 +11,43 @@ use std::mem::MaybeUninit;
 /// Array that the host passes in.
 ///
 /// # Errors
-/// NULL or misaligned although `count > 0`, or larger than memory.
+/// The pointer is NULL or misaligned although `count > 0`, or the array is larger than memory.
 ///
 /// # Safety
-/// A valid `pointer` leads to `count` elements that nobody writes during the call (FMI 2.0.5, 2.1.7).
+/// A valid `pointer` points to `count` elements that nothing writes during the call (FMI 2.0.5, 2.1.7).
 #[inline]
 pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
     if count == 0 {
         return Ok(&[]);
     }
     check(name, pointer, count)?;
-    // SAFETY: `check` for what can be seen, the caller for the rest.
+    // SAFETY: `check` tests null, alignment and size. The caller guarantees the rest.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
-/// Array that the host wants filled; its memory may be uninitialised.
+/// Array that the host passes to be filled. The memory may be uninitialised.
 ///
 /// # Errors
-/// NULL or misaligned although `count > 0`, or larger than memory.
+/// The pointer is NULL or misaligned although `count > 0`, or the array is larger than memory.
 ///
 /// # Safety
-/// A valid `pointer` leads to memory for `count` elements that nobody else uses during the call (FMI 2.0.5, 2.1.7).
+/// A valid `pointer` points to memory for `count` elements that nothing else uses during the call (FMI 2.0.5, 2.1.7).
 #[inline]
 pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
     if count == 0 {
         return Ok(&mut []);
     }
     check(name, pointer, count)?;
-    // SAFETY: `check` for what can be seen, the caller for the rest.
+    // SAFETY: `check` tests null, alignment and size. The caller guarantees the rest.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) })
 }
 
-/// String that the host passes in; `None` if it is NULL.
+/// String that the host passes in. `None` if the pointer is NULL.
 ///
 /// # Safety
-/// A pointer that is not NULL leads to text with a zero byte at its end that lives during `'a` (FMI 2.0.5, 2.1.4).
+/// A pointer that is not NULL points to zero-terminated text that is valid during `'a` (FMI 2.0.5, 2.1.4).
 pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn an_empty_array_may_be_null() {
-        // SAFETY: no element is promised.
+        // SAFETY: the arrays have no elements.
         unsafe {
             assert_eq!(input::<f64>("value", null(), 0), Ok(&[][..]));
             assert!(output::<f64>("value", null_mut(), 0).unwrap().is_empty());
@@ -91,10 +91,10 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_an_array_is_refused() {
+    fn invalid_arrays_are_rejected() {
         let values = [0.0; 2];
         let misaligned = values.as_ptr().cast::<u8>().wrapping_add(1).cast::<f64>();
-        // SAFETY: each is refused before it is read.
+        // SAFETY: each pointer is rejected before it is read.
         unsafe {
             for refused in
                 [input("x", null::<f64>(), 1), input("x", misaligned, 1), input("x", values.as_ptr(), 1 << 61)]

@@ -1,30 +1,30 @@
-//! The time of an instance, against which the host's communication points are checked.
+//! The time of an instance. The host's communication points are compared with it.
 //!
-//! In: the experiment and the steps. Out: the end of an accepted step, or a refusal. It must not know any model.
+//! In: the experiment and the steps. Out: the end of an accepted step, or a refusal. Must not know: any model.
 
 use super::refusal::Refusal;
 use crate::codec::record::{Damaged, Record};
 use crate::numerics::decimal::Decimal;
 
-/// Part of a step by which a communication point may be off. A lost or repeated step is off by a whole step. A host
-/// that counts time in other units (ticks, single-precision steps) is off by far less than this part.
+/// Tolerance of a communication point, relative to the step size. A lost or repeated step has an error of a whole step.
+/// A host that counts time in other units (ticks, single-precision steps) has a much smaller error than this.
 const STEP_SLACK: f64 = 1e-6;
 
-/// Rounding of a communication point, in units of [`f64::EPSILON`] of the largest time at hand. The host may form
-/// `start + n h`, a running sum, or `stop - k h`: a product and two sums, half an epsilon each; the clock's own sum
-/// adds one more half. Errors of a long running sum do not accumulate, as the clock takes over the host's point at
+/// Rounding error of a communication point, in units of [`f64::EPSILON`] times the largest time involved. The host may
+/// compute `start + n h`, a running sum, or `stop - k h`: a product and two sums with half an epsilon each. The sum of
+/// the clock adds another half. Errors of a running sum do not accumulate, because the clock adopts the host's point at
 /// every step.
 const ROUNDING: f64 = 8.0;
 
-/// Largest rounding of a sum from the stop time, in parts of a step. A stop time with a larger one, such as 1e300 s for
-/// "no end", is none from which a host forms its points.
+/// Largest rounding error of a point computed from the stop time, relative to the step size. A host cannot compute
+/// points from a stop time with a larger rounding error, such as 1e300 s for "no end".
 const FORMED_FROM_STOP: f64 = 1e-2;
 
-/// Largest part of a step by which the last step may end past the stop time. Against the stop time the errors of a
-/// running sum do accumulate: half an epsilon of the time per step. More than this part of a step is not rounding.
+/// Largest part of a step by which the last step may end after the stop time. Relative to the stop time, the errors of
+/// a running sum do accumulate: half an epsilon of the time per step. A larger excess is not a rounding error.
 const STOP_SLACK: f64 = 0.25;
 
-/// Time of one instance. By default it starts at 0 and has no stop time, as for a host that sets up no experiment.
+/// Time of one instance. The default is the clock of a host that sets up no experiment: start at 0, no stop time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     start: f64,
@@ -34,11 +34,11 @@ pub struct Clock {
 }
 
 impl Clock {
-    /// Clock of an experiment from `start` [s], of any sign, to `stop` [s], if the stop time is defined.
+    /// Clock of an experiment from `start` [s], of any sign, to `stop` [s], if a stop time is defined. `stop` = `start`
+    /// is allowed, for an instance that is only initialised.
     ///
     /// # Errors
-    /// `start` or `stop` is not finite, or `stop` is before `start`. At `stop` = `start` an instance is initialised
-    /// only.
+    /// `start` or `stop` is not finite, or `stop` is before `start`.
     pub fn new(start: f64, stop: Option<f64>) -> Result<Self, Refusal> {
         if !start.is_finite() {
             return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));
@@ -53,10 +53,10 @@ impl Clock {
         }
     }
 
-    /// Write or read all fields.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A field that is read is out of range.
+    /// A value that was read is out of range.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.finite("startTime", &mut self.start)?;
         record.finite("time", &mut self.time)?;
@@ -71,17 +71,17 @@ impl Clock {
         )
     }
 
-    /// End [s] of the step that the host asks for.
+    /// End [s] of a step of size `h` [s] from the host's communication point `point` [s].
     ///
     /// # Errors
-    /// `h` is not finite and positive, `point` is not the present time, or the step leads past the stop time.
+    /// `h` is not finite and positive, `point` is not the present time, or the step ends after the stop time.
     pub fn end_of_step(&self, point: f64, h: f64) -> Result<f64, Refusal> {
         let end = point + h;
         if !(h > 0.0 && h < f64::INFINITY) {
             return Err(Self::refuse_size(h));
         }
         let off = (point - self.time).abs();
-        // Mostly a point is exact. Negated, so that a NaN is refused.
+        // Most points are exact. The condition is negated so that NaN is rejected.
         if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.abs() < f64::INFINITY) {
             return Err(self.refuse_point(point, h));
         }
@@ -97,7 +97,7 @@ impl Clock {
         }
     }
 
-    /// The refusal of a communication point that is not the present time.
+    /// The refusal of a communication point that differs from the present time.
     #[cold]
     fn refuse_point(&self, point: f64, h: f64) -> Refusal {
         Refusal::error(format!(
@@ -108,7 +108,7 @@ impl Clock {
         ))
     }
 
-    /// The refusal of a size of the step.
+    /// The refusal of a step size.
     #[cold]
     fn refuse_size(h: f64) -> Refusal {
         Refusal::error(format!("communicationStepSize is {} s; it must be finite and greater than 0", Decimal(h)))
@@ -124,7 +124,7 @@ impl Clock {
         self.slack(h) + running_sum.min(STOP_SLACK * h)
     }
 
-    /// Largest time at hand [s]: start, end of the step, and a stop time from which points can be formed.
+    /// Largest time involved [s]: start, end of the step, and the stop time if a host can compute points from it.
     fn scale(&self, h: f64) -> f64 {
         let formed_from = |stop: &f64| ROUNDING * f64::EPSILON * stop <= FORMED_FROM_STOP * h;
         let stop = self.stop.map_or(0.0, f64::abs);
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_or_repeated_step_is_refused_even_late() {
+    fn a_lost_or_repeated_step_is_rejected_at_any_time() {
         let h = 1e-5;
         for time in [0.13, 1e4, -1e4] {
             let clock = Clock::new(time, None).unwrap();
@@ -174,7 +174,7 @@ mod tests {
 
     /// Hosts pass 1e300 or the largest number for "no end".
     #[test]
-    fn a_late_stop_time_hides_no_lost_or_repeated_step() {
+    fn a_late_stop_time_does_not_hide_a_lost_or_repeated_step() {
         for stop in [1e6, 1e12, 1e18, 1e300, f64::MAX] {
             for (h, time) in [(1e-3, 0.0), (1e-3, 7.25), (1e-6, 0.5), (10.0, 1e4)] {
                 let clock = Clock { time, ..Clock::new(0.0, Some(stop)).unwrap() };
@@ -187,18 +187,18 @@ mod tests {
     }
 
     #[test]
-    fn points_counted_back_from_the_stop_time_are_taken() {
+    fn points_counted_back_from_the_stop_time_are_accepted() {
         for (stop, h, count) in [(1e6, 1e-5, 1000_u32), (0.13, 1e-5, 13_000), (1e4, 1e-7, 1000), (1e9, 1e-3, 1000)] {
             let formed = |left: u32| stop - f64::from(left) * h;
             let mut clock = Clock::new(formed(count), Some(stop)).unwrap();
-            // The clock of an experiment that began long before.
+            // The clock of an experiment that started long before.
             clock.start = 0.0;
             for left in (1..=count).rev() {
                 step(&mut clock, formed(left), h);
             }
             assert!(clock.end_of_step(stop, h).is_err());
         }
-        // Early in a long experiment the rounding is that of the stop time, not of the point.
+        // Early in a long experiment, the rounding error is that of the stop time, not of the point.
         let (stop, h) = (1e6_f64, 1e-5_f64);
         let steps = (stop / h).floor();
         let mut clock = Clock::new(stop - steps * h, Some(stop)).unwrap();
@@ -231,7 +231,7 @@ mod tests {
         for stop in [1.0_f64.next_down(), 0.5, f64::NAN, f64::INFINITY] {
             assert!(Clock::new(1.0, Some(stop)).is_err(), "{stop}");
         }
-        // To initialise only.
+        // An experiment that only initialises the instance.
         for time in [0.0, 1.0, -1e6] {
             let clock = Clock::new(time, Some(time)).unwrap();
             assert!(clock.end_of_step(time, 1e-9 * (1.0 + time.abs())).is_err(), "{time}");

@@ -1,7 +1,7 @@
-//! Derivatives of an instance's variables: along directions, and in time.
+//! Directional derivatives and time derivatives of the variables of an instance.
 //!
-//! In: value references, seeds, orders. Out: derivatives, or a refusal that leaves the instance unchanged. It must not
-//! know pointers to instances, nor how a derivative is found.
+//! In: value references, seeds, orders. Out: derivatives, or a refusal that leaves the instance unchanged. Must not
+//! know: pointers to instances, how a derivative is found.
 
 use super::access::of_kind;
 use super::instance::Instance;
@@ -12,16 +12,14 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::{Kind, Reference};
 use std::mem::MaybeUninit;
 
-/// Why a directional derivative is NaN. The rate in time may be a number in this state where the partial derivative is
-/// none.
+/// Reason why a directional derivative is NaN. In such a state, the time derivative may still be a number.
 fn why_undefined(component: &mut Component, unknown: Reference) -> Option<String> {
     let reason = component.undefined_derivative(unknown);
     reason.or_else(|| Some("the partial derivative is not finite in this state".to_owned()))
 }
 
 impl Instance {
-    /// Refuse references that lead to no variable, in the words of the version; of a variable that has no derivatives
-    /// the component tells why.
+    /// Rejects references without a variable. For a variable without derivatives, the component returns the error.
     #[inline]
     fn must_exist<'a>(&self, mut references: impl Iterator<Item = &'a Reference>) -> Result<(), Refusal> {
         let interface = self.component.interface();
@@ -29,8 +27,8 @@ impl Instance {
         missing.map_or(Ok(()), |&reference| of_kind(self, reference, Kind::Real).map(drop))
     }
 
-    /// For each unknown the sum over the knowns of the partial derivative times the seed; NaN, with a warning, where it
-    /// has none in this state.
+    /// For each unknown, the sum over the knowns of partial derivative times seed. An unknown whose derivative does not
+    /// exist in this state gets NaN, with a warning.
     pub fn directional_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -54,8 +52,8 @@ impl Instance {
         }
     }
 
-    /// For each known the sum over the unknowns of the seed times the partial derivative; NaN, with a warning, where
-    /// one of these has none in this state, or where the sum is beyond the largest number. A seed must be finite.
+    /// For each known, the sum over the unknowns of seed times partial derivative. The result is NaN, with a warning,
+    /// if a partial derivative does not exist in this state or if the sum overflows. Every seed must be finite.
     pub fn adjoint_derivative(
         &mut self,
         unknowns: &[Reference],
@@ -94,8 +92,8 @@ impl Instance {
         }
     }
 
-    /// Time derivatives of outputs, each of its order. On an error the array may be filled in part. NaN, with a
-    /// warning, where an output has none in this state.
+    /// Time derivatives of outputs, each of its order. A derivative that does not exist in this state is NaN, with a
+    /// warning. After an error, the array may be partly filled.
     pub fn output_derivatives(
         &mut self,
         references: &[Reference],
@@ -112,7 +110,7 @@ impl Instance {
         if undefined { self.warn(references, "derivative", Component::undefined_derivative) } else { Ok(()) }
     }
 
-    /// Set time derivatives of inputs, each of its order, all or none.
+    /// Sets time derivatives of inputs, each of its order. After an error, no derivative has changed.
     pub fn set_input_derivatives(
         &mut self,
         references: &[Reference],

@@ -1,7 +1,6 @@
-//! Event mode of an instance: the way from step mode or continuous-time mode to event
-//! mode and back.
+//! Event mode of an instance: transitions from step mode or continuous-time mode to event mode and back.
 //!
-//! In: calls in their phases. Out: an event handled, or a refusal that leaves the instance unchanged. It must not know
+//! In: calls in their phases. Out: a handled event, or a refusal that leaves the instance unchanged. Must not know:
 //! what an event is.
 
 use super::instance::Instance;
@@ -9,7 +8,7 @@ use super::phase::Phase;
 use super::refusal::Refusal;
 
 impl Instance {
-    /// Enter event mode from step mode or continuous-time mode.
+    /// Enters event mode from step mode or continuous-time mode.
     pub fn enter_event_mode(&mut self) -> Result<(), Refusal> {
         if !self.usage.event_mode {
             return Err(Refusal::error(
@@ -20,19 +19,19 @@ impl Instance {
         Ok(())
     }
 
-    /// Handle the event to which a step has led, if one has. Returns whether the state has jumped.
+    /// Handles the event at which the last step ended, if there is one. Returns whether the state jumped.
     pub fn update_discrete_states(&mut self) -> Result<bool, Refusal> {
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
         let has_jumped = self.component.handle_event(self.clock.time)?;
         self.awaits_event = false;
         if events || details {
-            self.tell(self.clock.time);
+            self.log_occurrences(self.clock.time);
         }
         Ok(has_jumped)
     }
 
-    /// Leave event mode for step mode.
+    /// Changes from event mode to step mode.
     pub fn enter_step_mode(&mut self) -> Result<(), Refusal> {
         if self.usage.model_exchange {
             return Err(Refusal::error(
@@ -46,7 +45,7 @@ impl Instance {
         Ok(())
     }
 
-    /// The refusal of what an event comes before.
+    /// The refusal of an action that is possible only after the event has been handled.
     #[cold]
     pub(super) fn event_first(&self, what: &str) -> Refusal {
         Refusal::error(format!(

@@ -1,7 +1,7 @@
 //! Model exchange of an instance: time, states and derivatives for the host's own solver.
 //!
 //! In: checked slices and plain numbers, in their phases. Out: values, or a refusal that leaves the instance unchanged.
-//! It must not know what a state is.
+//! Must not know: what a state is.
 
 use super::instance::Instance;
 use super::phase::Phase;
@@ -13,18 +13,18 @@ use crate::numerics::decimal::Decimal;
 use std::mem::MaybeUninit;
 
 impl Usage {
-    /// Of a host that integrates by itself.
+    /// Usage by a host that integrates the states itself.
     pub const MODEL_EXCHANGE: Self =
         Self { event_mode: true, early_return: false, intermediate_update: false, model_exchange: true };
 }
 
-/// What was loaded, to serve model exchange.
+/// Prepares a loaded component for model exchange.
 pub fn served(mut loaded: Loaded) -> Result<Loaded, Refusal> {
     loaded.component.serve_exchange()?;
     Ok(loaded)
 }
 
-/// Refuse a list of another length.
+/// Rejects a list whose length is not `own`.
 fn same_length(what: &str, count: usize, own: usize) -> Result<(), Refusal> {
     if count == own {
         return Ok(());
@@ -33,7 +33,7 @@ fn same_length(what: &str, count: usize, own: usize) -> Result<(), Refusal> {
 }
 
 impl Instance {
-    /// Refuse what an instance for co-simulation does not have.
+    /// Returns an error if the instance was created for co-simulation.
     fn exchanges(&self) -> Result<(), Refusal> {
         if self.usage.model_exchange {
             return Ok(());
@@ -44,7 +44,7 @@ impl Instance {
         ))
     }
 
-    /// The time at which derivatives and outputs are asked for [s].
+    /// Sets the time [s] for derivatives and outputs.
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.exchanges()?;
         if !time.is_finite() {
@@ -55,7 +55,7 @@ impl Instance {
         Ok(())
     }
 
-    /// From event mode to continuous-time mode.
+    /// Changes from event mode to continuous-time mode.
     pub fn enter_continuous_time_mode(&mut self) -> Result<(), Refusal> {
         self.exchanges()?;
         self.phase = Phase::Continuous;
@@ -74,19 +74,19 @@ impl Instance {
         Ok(self.indicators().len())
     }
 
-    /// References of the event indicators: they are declared last, one after the other.
+    /// References of the event indicators, which are the last variables of the component.
     fn indicators(&self) -> std::ops::Range<u32> {
         self.component.indicators()
     }
 
-    /// Take the states that the host's solver tries. Discarded where the mechanism has no such position.
+    /// Sets trial states of the host's solver. The verdict is discard if the mechanism has no such position.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
         self.exchanges()?;
         same_length("states", states.len(), self.component.state_count())?;
         Ok(self.component.set_continuous_states(states)?)
     }
 
-    /// The continuous states.
+    /// Returns the continuous states.
     pub fn continuous_states(&mut self, states: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
         same_length("states", states.len(), self.component.state_count())?;
@@ -94,7 +94,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Scales of the continuous states.
+    /// Nominal values of the continuous states.
     pub fn nominals(&mut self, nominals: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
         same_length("nominal values", nominals.len(), self.component.state_count())?;
@@ -102,7 +102,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Time derivatives of the continuous states. Discarded where there are none.
+    /// Time derivatives of the continuous states. The verdict is discard if they do not exist.
     pub fn derivatives(&mut self, derivatives: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
         same_length("derivatives", derivatives.len(), self.component.state_count())?;
@@ -110,7 +110,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Event indicators. Discarded where one has no value.
+    /// Event indicators. The verdict is discard if one of them has no value.
     pub fn event_indicators(&mut self, values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
         let references = self.indicators();
@@ -126,7 +126,7 @@ impl Instance {
         Ok(())
     }
 
-    /// A step of the host's solver is complete. Returns whether event mode is to be entered.
+    /// Ends a step of the host's solver. Returns whether the host must enter event mode.
     pub fn completed_integrator_step(&mut self) -> Result<bool, Refusal> {
         self.exchanges()?;
         Ok(self.component.completed_step()?)

@@ -1,8 +1,7 @@
-//! How an instance lives behind its pointer, and the way from the pointer to a verdict, with nothing unwinding across
-//! C.
+//! Pointers to instances, and calls of functions on them. No panic reaches the C caller.
 //!
-//! In: a pointer of the host's and the work to do on the instance. Out: a verdict; the reason of a refusal goes to the
-//! logger. It must not know which function of which version is called, but for its name and legal phases.
+//! In: the host's pointer and the work to do on the instance. Out: a verdict. The logger gets the reason of a refusal.
+//! Must not know: the called function, except for its name and legal phases.
 #![allow(unsafe_code)]
 
 use super::instance::Instance;
@@ -18,23 +17,25 @@ use std::ffi::{CStr, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// First word of an instance between calls. A pointer to something else is recognised by another word.
+/// First word of an instance between calls. A pointer to other memory is recognised by a different word.
 const IDLE: u64 = u64::from_be_bytes(*b"linkage\0");
-/// First word of an instance while a function works on it: its logger must not call back into it.
+/// First word of an instance during a call. The logger must not call a function of this instance.
 const BUSY: u64 = !IDLE;
-/// First word of an instance whose host is called back within a step: it can be read, and not be freed.
+/// First word of an instance during a callback to the host within a step. The host can read values, but cannot free the
+/// instance.
 const CALLING: u64 = IDLE.rotate_left(8);
 /// First word of an instance that was freed.
 const FREED: u64 = 0;
 
-/// What the host's pointer leads to.
+/// Memory behind the host's pointer.
 struct Handle {
     word: AtomicU64,
     instance: UnsafeCell<Instance>,
 }
 
-/// Make an instance of what `load` gives; NULL, with a message, if that fails. `version` is that of the exported
-/// function of the name `function`, `name` that of the instance, `usage` what the host makes use of.
+/// Creates an instance from the result of `load`. Returns NULL, with a message, if that fails. `function` is the name
+/// of the exported function, `version` its version of FMI, `name` the name of the instance, `usage` the features that
+/// the host uses.
 pub fn instantiate(
     version: Version,
     function: &str,
@@ -58,16 +59,16 @@ pub fn instantiate(
         Ok(Err(refusal)) => refusal,
         Err(payload) => fault(&*payload),
     };
-    // A text that cannot be made is not told; the answer is NULL all the same.
+    // A panic in the report is ignored; NULL is returned all the same.
     let _ = catch_unwind(AssertUnwindSafe(|| report(&logger, function, &refusal)));
     std::ptr::null_mut()
 }
 
-/// Do `work` on the instance if the function is legal in its phase. The answer to a panic, and to every later call, is
-/// `Fatal`.
+/// Does `work` on the instance if the function is legal in its phase. After a panic, the verdict of this call and of
+/// every later call is `Fatal`.
 ///
 /// # Safety
-/// `pointer` is NULL or comes from [`instantiate`], was not freed, and no other thread uses it during the call
+/// `pointer` is NULL or comes from [`instantiate`] and was not freed. No other thread uses the instance during the call
 /// (FMI 2.0.5, 2.1.5).
 #[inline]
 pub unsafe fn call(
@@ -75,22 +76,22 @@ pub unsafe fn call(
     function: &Function,
     work: impl FnOnce(&mut Instance) -> Result<(), Refusal>,
 ) -> Verdict {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let Some(handle) = (unsafe { handle(pointer) }) else { return Verdict::Error };
-    // A load and a store, as the standard forbids the race that an exchange would decide.
+    // A load and a store are enough: the standard forbids the race that an atomic exchange would resolve.
     let word = handle.word.load(Ordering::Relaxed);
     if word != IDLE && word != CALLING {
         return Verdict::Error;
     }
     handle.word.store(BUSY, Ordering::Relaxed);
-    // SAFETY: the word was neither BUSY nor FREED, so that no call is at work on the instance further up this stack;
-    // the caller promises that none is on another thread.
+    // SAFETY: the word was neither BUSY nor FREED, so no other call on this thread uses the instance. The caller
+    // guarantees that no other thread uses it.
     let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
     handle.word.store(word, Ordering::Relaxed);
     verdict
 }
 
-/// [`call`] of a function that is called seldom: its work is not compiled into the call.
+/// [`call`] for functions that hosts call rarely. The work is not inlined.
 ///
 /// # Safety
 /// As for [`call`].
@@ -100,16 +101,16 @@ pub unsafe fn call_seldom(
     function: &Function,
     work: &mut dyn FnMut(&mut Instance) -> Result<(), Refusal>,
 ) -> Verdict {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe { call(pointer, function, work) }
 }
 
-/// Call the host back between two calls of one step, so that it can read the instance.
+/// Calls the host back between two calls of one step, so that the host can read the instance.
 ///
 /// # Safety
-/// As for [`call`]; no call is at work on the instance.
+/// As for [`call`]. No call uses the instance.
 pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -> T {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let handle = unsafe { handle(pointer) };
     let set = |word| handle.inspect(|handle| handle.word.store(word, Ordering::Relaxed));
     set(CALLING);
@@ -118,20 +119,20 @@ pub unsafe fn call_back<T>(pointer: *mut c_void, callback: impl FnOnce() -> T) -
     answer
 }
 
-/// End of an instance. NULL, and an instance whose logger is being called right now, are left alone.
+/// Frees an instance. NULL, and an instance that is in a call or a callback, are left unchanged.
 ///
 /// # Safety
-/// As for [`call`]; the pointer is not used again (FMI 2.0.5, 2.1.5).
+/// As for [`call`]. The pointer is not used again (FMI 2.0.5, 2.1.5).
 pub unsafe fn free(pointer: *mut c_void) {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let Some(handle) = (unsafe { handle(pointer) }) else { return };
     if handle.word.load(Ordering::Relaxed) != IDLE {
         return;
     }
     handle.word.store(FREED, Ordering::Relaxed);
-    // SAFETY: the handle was boxed by `instantiate`, and this is its only way out.
+    // SAFETY: `instantiate` boxed the handle, and only this line unboxes it.
     let handle = unsafe { Box::from_raw(pointer.cast::<Handle>()) };
-    // There is nobody left to hear of a panic in a destructor.
+    // A panic in a destructor cannot be reported.
     let _ = catch_unwind(AssertUnwindSafe(move || drop(handle)));
 }
 
@@ -142,11 +143,11 @@ unsafe fn handle<'a>(pointer: *mut c_void) -> Option<&'a Handle> {
     if !handle.is_aligned() {
         return None;
     }
-    // SAFETY: aligned and not NULL is checked, the rest is the caller's promise.
+    // SAFETY: the pointer is aligned and not NULL. The caller guarantees the rest.
     unsafe { handle.as_ref() }
 }
 
-/// Work and the report of a refusal, with no panic of either passed on.
+/// Does the work and reports a refusal. Catches panics of both.
 #[inline]
 fn guarded(
     instance: &mut Instance,
@@ -162,7 +163,7 @@ fn guarded(
             Err(refusal) => report(&instance.logger, function.name, &refusal),
         }
     }));
-    answered.unwrap_or_else(|payload| lose(instance, function, payload))
+    answered.unwrap_or_else(|payload| end_by_panic(instance, function, payload))
 }
 
 #[cold]
@@ -191,15 +192,15 @@ fn report(logger: &Logger, function: &str, refusal: &Refusal) -> Verdict {
     refusal.verdict
 }
 
-/// End of an instance by a panic. A second panic, in the report of the first one, goes unreported.
+/// Handles a panic: the instance becomes fatal, and the panic is reported. A panic during the report is ignored.
 #[cold]
-fn lose(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Send>) -> Verdict {
+fn end_by_panic(instance: &mut Instance, function: &Function, payload: Box<dyn Any + Send>) -> Verdict {
     instance.phase = Phase::Fatal;
     let _ = catch_unwind(AssertUnwindSafe(move || report(&instance.logger, function.name, &fault(&*payload))));
     Verdict::Fatal
 }
 
-/// A panic as a refusal.
+/// The refusal for a panic.
 fn fault(payload: &(dyn Any + Send)) -> Refusal {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
@@ -246,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn a_call_from_within_a_call_is_refused() {
+    fn a_call_within_a_call_is_rejected() {
         let c = gear();
         // SAFETY: the pointer is valid until the last `free`.
         unsafe {
@@ -262,10 +263,10 @@ mod tests {
     }
 
     #[test]
-    fn a_pointer_to_something_else_is_refused() {
+    fn a_pointer_to_other_memory_is_rejected() {
         let mut foreign = [1_u64; 8];
         let c = foreign.as_mut_ptr().cast::<c_void>();
-        // SAFETY: the pointers lead to a word that is not an instance's, and to no aligned word.
+        // SAFETY: the pointers point to a word that is not an instance's, and to no aligned word.
         unsafe {
             assert_eq!(call(c, &READ, |_| Ok(())), Verdict::Error);
             assert_eq!(call(c.wrapping_byte_add(1), &READ, |_| Ok(())), Verdict::Error);

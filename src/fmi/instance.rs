@@ -1,7 +1,7 @@
 //! One instance: a component, its phase, its clock and its logger.
 //!
-//! In: plain numbers. Out: the instance in its next phase, or a refusal that leaves it unchanged. It must not know
-//! pointers to instances, nor the names and C types of a version.
+//! In: plain numbers. Out: the instance in its next phase, or a refusal that leaves it unchanged. Must not know:
+//! pointers to instances, names and C types of a version.
 
 use super::clock::Clock;
 use super::logger::Logger;
@@ -15,21 +15,21 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::{Reference, Vector};
 use std::rc::Rc;
 
-/// What is called with the time reached [s] after an internal step; returns the time at which the host wants the step
-/// to end, if it asks for that [s].
+/// Callback after an internal step. Argument: the time reached [s]. Result: the time [s] at which the host wants the
+/// step to end, if the host requests an early end.
 pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 
 /// One instance of the FMU.
 pub struct Instance {
-    /// Present phase; `handle` checks it before each call.
+    /// Present phase, which `handle` checks before each call.
     pub phase: Phase,
-    /// The version of FMI that the host speaks.
+    /// FMI version of the host.
     pub version: Version,
-    /// Where messages go.
+    /// Logger for messages to the host.
     pub logger: Logger,
-    /// What the host makes use of.
+    /// Features that the host uses.
     pub usage: Usage,
-    /// Whether the last step has led to an event that the host has not had handled yet.
+    /// Whether the last step ended at an event that has not been handled yet.
     pub awaits_event: bool,
     /// Whether the experiment was set up.
     pub set_up: bool,
@@ -37,18 +37,18 @@ pub struct Instance {
     tolerance: Option<f64>,
     pub clock: Clock,
     pub component: Component,
-    /// The host's callback after internal steps, if the host makes use of it.
+    /// The host's callback after internal steps, if the host uses it.
     pub update: Option<Rc<IntermediateUpdate>>,
-    /// Vectors that the version has beside the component's variables.
+    /// Vectors of the version, which exist in addition to the component's variables.
     pub(super) vectors: Vec<Vector>,
-    /// Memory for the bytes of the next state that is serialised.
+    /// Memory for the bytes of the next serialised state.
     pub(super) spare: Vec<u8>,
     /// Memory for the scalars of a call.
     pub(super) scalars: Vec<Reference>,
-    /// Memory for the orders of its derivatives.
+    /// Memory for the orders of derivatives of a call.
     pub(super) orders: Vec<i32>,
-    /// For each variable of the component the knowns on which its initial value depends, once they were asked for; None
-    /// inside of a model too large to find them.
+    /// For each variable of the component, the knowns on which its initial value depends, after the first request. The
+    /// inner value is None for a model that is too large to find them.
     pub(super) initial_dependencies: Option<Option<Vec<Vec<Reference>>>>,
 }
 
@@ -74,8 +74,8 @@ impl Instance {
         }
     }
 
-    /// Set up the experiment. Without it, the start time is 0 and there is no stop time. A tolerance of 0 is none, as
-    /// importers pass it whose user has stated none; a warning tells it.
+    /// Sets up the experiment. Without this call, the start time is 0 and there is no stop time. A tolerance of 0
+    /// counts as no tolerance, with a warning: some importers pass 0 if the user states no tolerance.
     pub fn setup_experiment(&mut self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Result<(), Refusal> {
         let clock = Clock::new(start, stop)?;
         let is_zero = tolerance == Some(0.0);
@@ -96,7 +96,7 @@ impl Instance {
         Ok(())
     }
 
-    /// End initialization mode. After a refusal the mode goes on: parameters can be corrected.
+    /// Ends initialization mode. After an error the instance stays in this mode, so that parameters can be corrected.
     pub fn exit_initialization_mode(&mut self) -> Result<(), Refusal> {
         if let Some(tolerance) = self.tolerance {
             self.component.set_tolerance(tolerance)?;
@@ -111,13 +111,13 @@ impl Instance {
         Ok(())
     }
 
-    /// End of the simulation.
+    /// Ends the simulation.
     pub fn terminate(&mut self) {
         self.phase = Phase::Terminated;
         self.logger.event(|| format!("terminated at t = {} s after {}", self.clock.time, self.component.cost()));
     }
 
-    /// As after instantiation, but for the log categories, which stay as the host chose them.
+    /// Returns to the state after instantiation. The log categories stay as the host chose them.
     pub fn reset(&mut self) {
         self.component.reset();
         self.clock = Clock::default();
@@ -126,20 +126,20 @@ impl Instance {
         self.phase = Phase::Instantiated;
     }
 
-    /// All that decides how the instance goes on; the log categories are no part of it.
+    /// Returns all data that determine how the simulation continues. The log categories are not included.
     pub fn save(&self) -> Saved {
         let Self { phase, awaits_event, set_up, tolerance, clock, .. } = *self;
         Saved { phase, awaits_event, set_up, tolerance, clock, component: self.component.snapshot() }
     }
 
-    /// [`Self::save`] into an existing state of this identity, without allocation if both are of the same kind.
+    /// [`Self::save`] into an existing state of this identity, without allocation if both states are of the same kind.
     pub fn save_into(&self, saved: &mut Saved) {
         (saved.phase, saved.awaits_event, saved.set_up) = (self.phase, self.awaits_event, self.set_up);
         (saved.tolerance, saved.clock) = (self.tolerance, self.clock);
         self.component.snapshot_into(&mut saved.component);
     }
 
-    /// Go on as the instance that was saved, in its phase.
+    /// Restores a saved state, with its phase.
     pub fn restore(&mut self, saved: &Saved) -> Result<(), Refusal> {
         if !self.usage.has(saved.phase) || saved.awaits_event && !self.usage.event_mode {
             return Err(no_such_phase(saved));
@@ -150,23 +150,23 @@ impl Instance {
         Ok(())
     }
 
-    /// Log what happened in a step that began at the time `point` [s].
+    /// Logs the occurrences of a step that started at the time `point` [s].
     #[cold]
-    pub(super) fn tell(&mut self, point: f64) {
+    pub(super) fn log_occurrences(&mut self, point: f64) {
         for line in self.component.take_occurrences(point) {
             if line.is_detail { self.logger.detail(&line.text) } else { self.logger.event(|| line.text) }
         }
     }
 
-    /// Advance by exactly `h` [s] from the present communication point.
+    /// Advances by exactly `h` [s] from the present communication point.
     ///
-    /// The time after the step is the host's `point` plus `h`, so that the rounding of the host's sums is never counted
-    /// as its error. A step that is refused before it begins changes nothing. After a step that cannot be computed, the
-    /// state is that of the last communication point; after one that met the bound on its work, that at the time
-    /// reached. A warning comes after a step that is done.
+    /// The time after the step is the host's `point` plus `h`. Rounding errors of the host's sums are therefore no
+    /// errors of the host. A rejected step changes nothing. After a step that cannot be computed, the state is that of
+    /// the last communication point. After a step that reached `solver.max_steps`, the state is that at the time
+    /// reached. A warning means that the step was made.
     ///
-    /// With [`Usage::intermediate_update`], `pauses_left` counts the internal steps after which the step pauses, with
-    /// its phase `Intermediate`: it goes on when this is called again with the rest of the step.
+    /// With [`Usage::intermediate_update`], the step pauses in the phase `Intermediate` after an internal step.
+    /// `pauses_left` is the number of pauses that remain. The next call with the rest of the step continues the step.
     pub fn do_step(&mut self, point: f64, h: f64, pauses_left: &mut u64) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
@@ -180,7 +180,7 @@ impl Instance {
         let stepped = self.component.step_to_pause(point, h, pauses)?;
         self.phase = Phase::Step;
         if events || details {
-            self.tell(point);
+            self.log_occurrences(point);
         }
         match stepped {
             Paused::AtEnd => {
@@ -212,7 +212,7 @@ impl Instance {
         }
     }
 
-    /// What the component warns of after a step, if anything.
+    /// The warning of the component after a step, if there is one.
     #[inline]
     pub fn warning(&mut self) -> Result<(), Refusal> {
         self.component.take_warning().map_or(Ok(()), |warning| Err(Refusal::warning(warning)))

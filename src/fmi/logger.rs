@@ -1,18 +1,18 @@
 //! Messages to the host, by categories.
 //!
-//! In: lines of text with a verdict. Out: calls of the version's sink, which knows the host's logger. The list of
-//! categories is also what `modelDescription.xml` declares.
+//! In: lines of text with a verdict. Out: calls of the version's sink, which calls the host's logger.
+//! `modelDescription.xml` declares the same list of categories.
 //!
-//! FMI 2.0.5, 2.1.3, has the logger called for every call that is not answered with OK, while `loggingOn` switches
-//! debug logging. So such calls are reported even with `loggingOn` = false, at instantiation and in `SetDebugLogging`.
-//! Only a host that names categories gets exactly these.
+//! FMI 2.0.5, 2.1.3: the logger is called for every call that does not return OK. `loggingOn` switches debug logging.
+//! Calls that do not return OK are therefore reported even with `loggingOn` = false, at instantiation and in
+//! `SetDebugLogging`. If the host names categories, exactly these categories are reported.
 
 use super::refusal::{Refusal, Verdict};
 use crate::format::on_one_line;
 use std::ffi::{CStr, CString};
 
-/// The log categories of the FMU, name and description, in the order of the XML. The category of a verdict is at its
-/// index; `logAll` stands for all others.
+/// The log categories of the FMU, name and description, in the order of the XML. A verdict is the index of its
+/// category. `logAll` means all categories.
 pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
     (
         c"logEvents",
@@ -32,19 +32,19 @@ const fn bit(verdict: Verdict) -> u8 {
 
 /// Index of the category of details.
 const DETAILS: usize = LOG_CATEGORIES.len() - 2;
-/// Warnings that are the answer to a call; those beside the answer OK have the bit of the category.
+/// Bit of warnings that are the verdict of a call. Warnings of calls that return OK have the bit of the category.
 const WARNING_ANSWER: u8 = 1 << (LOG_CATEGORIES.len() - 1);
 const ALL: u8 = 2 * WARNING_ANSWER - 1;
-/// All answers but OK.
+/// All verdicts except OK.
 const ANSWERS: u8 = WARNING_ANSWER | bit(Verdict::Discard) | bit(Verdict::Error) | bit(Verdict::Fatal);
 
-/// Largest length of a message [bytes]: hosts write messages into buffers of a fixed size.
+/// Largest length of a message [bytes], because hosts write messages into buffers of a fixed size.
 pub const LONGEST: usize = 1000;
 
 /// Calls the host's logger with a verdict, its category and a message on one line.
 pub(crate) type Sink = Box<dyn Fn(Verdict, &CStr, &CStr)>;
 
-/// Where messages go, and the categories that are on.
+/// The sink for messages, and the categories that are on.
 pub(crate) struct Logger {
     /// None if the host has no logger.
     sink: Option<Sink>,
@@ -57,14 +57,14 @@ impl Logger {
         Logger { sink, enabled: unnamed(logging_on) }
     }
 
-    /// Report why a call is answered with this verdict.
+    /// Reports the reason of a verdict.
     pub fn log(&self, verdict: Verdict, message: &str) {
         if self.is_on(verdict) {
             self.write(verdict, verdict as usize, message);
         }
     }
 
-    /// Report something unusual about a call that is answered with OK.
+    /// Reports something unusual about a call that returns OK.
     pub fn remark(&self, message: &str) {
         if self.enabled & bit(Verdict::Warning) != 0 {
             self.write(Verdict::Warning, Verdict::Warning as usize, message);
@@ -81,22 +81,22 @@ impl Logger {
         self.sink.is_some() && self.enabled & 1 << DETAILS != 0
     }
 
-    /// Report a detail of what happens.
+    /// Reports a detail of an event.
     pub fn detail(&self, message: &str) {
         if self.has_details() {
             self.write(Verdict::Ok, DETAILS, message);
         }
     }
 
-    /// Report an event; the text is only made if the category is on.
+    /// Reports an event. The text is formed only if the category is on.
     pub fn event(&self, message: impl FnOnce() -> String) {
         if self.has_events() {
             self.write(Verdict::Ok, Verdict::Ok as usize, &message());
         }
     }
 
-    /// Pass a message on under the category of the verdict, as one line of at most [`LONGEST`] bytes: a control
-    /// character inside the text, as a path may hold it, is made visible.
+    /// Passes a message to the sink with this category, as one line of at most [`LONGEST`] bytes. Control characters in
+    /// the text, for example in a path, are escaped.
     fn write(&self, verdict: Verdict, category: usize, message: &str) {
         let Some(sink) = &self.sink else { return };
         if let Ok(message) = CString::new(shortened(on_one_line(message))) {
@@ -105,11 +105,12 @@ impl Logger {
         }
     }
 
-    /// Switch the given categories: `on` leaves exactly these on; off leaves the others as they were. Without a
-    /// category, everything is on, or only failures, as after instantiation.
+    /// Switches categories. `on` = true: exactly the given categories are on. `on` = false: the given categories are
+    /// off, the others do not change. Without a category, the categories are those after instantiation with `loggingOn`
+    /// = `on`.
     ///
     /// # Errors
-    /// A name that [`LOG_CATEGORIES`] does not hold; nothing is changed then.
+    /// A name that is not in [`LOG_CATEGORIES`]; nothing is changed then.
     pub fn set_debug_logging<'a>(
         &mut self,
         on: bool,
@@ -134,11 +135,11 @@ impl Logger {
     }
 }
 
-/// A line of at most [`LONGEST`] bytes: the middle of a longer one is left out, with its number of bytes in its place.
+/// A line of at most [`LONGEST`] bytes. In a longer line, the number of omitted bytes replaces the middle.
 fn shortened(line: String) -> String {
-    /// Bytes kept of the end, which may hold the remedy.
+    /// Bytes kept at the end of the line, which may state the remedy.
     const END: usize = 200;
-    /// Bytes of the longest mark.
+    /// Largest length of the text that replaces the middle [bytes].
     const MARK: usize = 60;
     if line.len() <= LONGEST {
         return line;
@@ -148,7 +149,7 @@ fn shortened(line: String) -> String {
     format!("{} ... ({} bytes omitted) ... {}", &line[..first], last - first, &line[last..])
 }
 
-/// Categories that are on if the host names none: details are told to those only who ask for them.
+/// Categories that are on if the host names none. Details are off.
 fn unnamed(logging_on: bool) -> u8 {
     if logging_on { ALL & !(1 << DETAILS) } else { ANSWERS }
 }
@@ -187,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn categories_are_switched_as_asked() {
+    fn categories_are_switched_as_requested() {
         let mut logger = logger(true);
         set(&mut logger, true, &[c"logEvents", c"logStatusWarning"]).unwrap();
         assert_eq!(logger.enabled, bit(Verdict::Ok) | bit(Verdict::Warning) | WARNING_ANSWER);

@@ -1,11 +1,11 @@
-//! The half of FMI that its versions share: how a host's pointers, arrays, times, values and states reach a component.
+//! The parts that all versions of FMI share: handles, arrays, times, values and states.
 //!
-//! In: what an exported function was called with, as plain numbers, slices and checked pointers. Out: values and
-//! verdicts. It must not know the names, C types or status numbers of any version, nor any kind of model.
+//! In: arguments of an exported function as plain numbers, slices and checked pointers. Out: values and verdicts. Must
+//! not know: names, C types or status numbers of any version, kinds of model.
 //!
-//! A version has the exported functions, the table of the phases in which each is legal ([`phase::Function`]), its C
-//! types, the status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls go through
-//! [`handle::call`] to an [`instance::Instance`].
+//! A version adds the exported functions and the table of their legal phases ([`phase::Function`]). It also adds the C
+//! types, the status number of each [`refusal::Verdict`], and a closure that calls the host's logger. Calls pass
+//! through [`handle::call`] to an [`instance::Instance`].
 
 pub(crate) mod access;
 pub(crate) mod array;

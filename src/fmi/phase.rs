@@ -1,8 +1,8 @@
 //! The phases of an instance, and which function may be called in which phase (FMI 2.0.5, 4.2.4). Each version has a
 //! table of its functions.
 
-/// Phase of an instance; each is one bit, so that a set of phases is a number. The places of
-/// the bits stand in serialised states.
+/// Phase of an instance. Each phase is one bit, so that a set of phases is a number. Serialised states contain the
+/// position of the bit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Phase {
@@ -16,11 +16,11 @@ pub enum Phase {
     Terminated = 8,
     /// A step could not be computed; the state is that of the last communication point.
     Failed = 16,
-    /// A fault inside this library; the instance and its states can only be freed.
+    /// After a fault inside this library. The instance and its states can only be freed.
     Fatal = 32,
-    /// A step met the bound on its work; the state is that at the time reached.
+    /// A step reached `solver.max_steps`. The state is that at the time reached.
     Interrupted = 64,
-    /// Between two steps: an event is being handled, or inputs jump.
+    /// Between two steps: an event is handled, or inputs jump.
     Event = 128,
     /// Co-simulation within a step, while the host's callback reads values.
     Intermediate = 256,
@@ -35,16 +35,16 @@ pub const EVENT: u16 = Phase::Event as u16;
 pub const INTERMEDIATE: u16 = Phase::Intermediate as u16;
 pub const CONTINUOUS: u16 = Phase::Continuous as u16;
 pub const TERMINATED: u16 = Phase::Terminated as u16;
-/// Phases after a step that did not come to its end.
+/// Phases after a step that did not reach its end.
 pub const FAILED: u16 = Phase::Failed as u16 | Phase::Interrupted as u16;
 pub const FATAL: u16 = Phase::Fatal as u16;
-/// All phases but [`Phase::Fatal`] and [`Phase::Intermediate`].
+/// All phases except [`Phase::Fatal`] and [`Phase::Intermediate`].
 pub const ALIVE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS | TERMINATED | FAILED;
 /// Phases in which values can be set.
 pub const SETTABLE: u16 = INSTANTIATED | INITIALIZATION | STEP | EVENT | CONTINUOUS;
-/// Phases in which the host's solver can ask for states and derivatives.
+/// Phases in which the host's solver can read states and derivatives.
 pub const SOLVABLE: u16 = INITIALIZATION | EVENT | CONTINUOUS | TERMINATED | FAILED;
-/// All phases after initialization but event mode.
+/// All phases after initialization except event mode.
 pub const STEPPED: u16 = STEP | TERMINATED | FAILED;
 
 /// Each phase with its name in messages, in the order of the bits.
@@ -62,12 +62,12 @@ const PHASES: [(Phase, &str); 10] = [
 ];
 
 impl Phase {
-    /// Place of the bit, for serialised states.
+    /// Position of the bit, for serialised states.
     pub fn place(self) -> u8 {
         (self as u16).trailing_zeros() as u8
     }
 
-    /// The phase with the bit at this place, if there is one that a state can be saved in.
+    /// The phase with the bit at this position, if a state can be saved in this phase.
     pub fn at(place: u8) -> Option<Self> {
         let can_be_saved = |phase: &Phase| !matches!(phase, Phase::Fatal | Phase::Intermediate);
         PHASES.get(usize::from(place)).map(|(phase, _)| *phase).filter(can_be_saved)

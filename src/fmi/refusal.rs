@@ -1,31 +1,29 @@
-//! What is said about a call that is not answered with OK: the verdict that the host gets and the line that the logger
-//! gets.
+//! Verdict and message of a call that does not return OK. The host gets the verdict, and the logger gets the message.
 //!
-//! The message names the quantity, the value, the limit and what to do; `handle` puts the function's name in front of
-//! it.
+//! The message states the quantity, the value, the limit and the remedy. `handle` adds the function's name.
 
 use crate::component::{NoValue, Refused};
 
-/// Answer to a call, in the words that all versions of FMI share.
+/// Answer to a call, independent of the version of FMI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Done.
     Ok,
-    /// Done, although something about the call is unusual.
+    /// Done, with a remark about something unusual.
     Warning,
-    /// A question without an answer, after which the instance goes on; or a step that came to a part of its end.
+    /// The requested value does not exist, and the instance can continue; or a step ended early.
     Discard,
-    /// Refused or failed; a message says why.
+    /// The call is wrong or failed. A message states the reason.
     Error,
-    /// A fault inside this library; the instance is lost.
+    /// A fault inside this library. The instance cannot be used any more.
     Fatal,
 }
 
-/// Why a call was refused; the instance is unchanged, unless a step was made in part. With the verdict `Warning`: what
-/// is unusual about a call that was done.
+/// Reason why a call was not carried out. The instance is unchanged, unless a part of a step was made. With the verdict
+/// `Warning`, the call was carried out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refusal {
-    /// Answer to the host.
+    /// Verdict for the host.
     pub verdict: Verdict,
     /// One line for the logger.
     pub message: String,
@@ -37,12 +35,12 @@ impl Refusal {
         Refusal { verdict: Verdict::Error, message: message.into() }
     }
 
-    /// A call that was done, although something about it is unusual.
+    /// A call that was carried out, with a remark about something unusual.
     pub fn warning(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Warning, message: message.into() }
     }
 
-    /// A question without an answer, or a step that was made in part.
+    /// A value that does not exist, or a step that was made in part.
     pub fn discard(message: impl Into<String>) -> Self {
         Refusal { verdict: Verdict::Discard, message: message.into() }
     }

@@ -1,7 +1,7 @@
-//! The FMU's resources: the folder that the host names or that lies beside this library, and the component defined
-//! there.
+//! The resources of the FMU: their folder and the component that is defined in it. The host states the folder, or the
+//! folder is found from the path of this library.
 //!
-//! In: the resource location and the GUID, as the host passes them. Out: a component. Hosts write a location as
+//! In: the resource location and the GUID that the host passes. Out: a component. Hosts write a location as
 //! `file:///p`, `file:/p`, `file://localhost/p` or as a plain path, with and without percent-encoding and a trailing
 //! slash.
 #![allow(unsafe_code)]
@@ -15,15 +15,14 @@ use std::path::{Path, PathBuf};
 
 pub use crate::format::LARGEST_DEFINITION;
 
-/// Component of a new instance, of one of the kinds that the library has. Its definition is read at each
-/// instantiation, so that a user may edit the numbers in it; tables of the definition as it was packed are then made
-/// anew.
+/// Loads the component of a new instance, which is of one of the `kinds` in the library. The definition is read at each
+/// instantiation, so that a user may edit its numbers. The tables of the packed definition are then computed again.
 ///
-/// The folder is that of `location`; where that is NULL or empty, the folder `resources` of the FMU in which this
-/// library lies. `guid` is the host's, in its argument of the name `guid_argument`.
+/// The folder is `location`. If `location` is NULL or empty, the folder is `resources` of the FMU that contains this
+/// library. `guid` is the GUID that the host passes in the argument `guid_argument`.
 ///
 /// # Errors
-/// No or an unreadable definition file, a faulty definition, another interface than that of the GUID.
+/// A missing or unreadable definition file, a faulty definition, or a GUID of a different interface.
 pub fn load(
     kinds: &[ModelKind],
     guid_argument: &str,
@@ -35,7 +34,7 @@ pub fn load(
     })?;
     let folder = match location.filter(|location| !location.is_empty()) {
         Some(location) => from_uri(location.to_bytes())?,
-        None => beside_library()?,
+        None => resources_folder()?,
     };
     let kind = kinds.iter().find(|kind| folder.join(kind.file()).exists()).unwrap_or(&kinds[0]);
     let file = folder.join(kind.file());
@@ -54,7 +53,7 @@ pub fn load(
     Ok(Loaded { component, remark })
 }
 
-/// A component for a new instance, and what was remarked while it was loaded.
+/// A component for a new instance, with the remark from loading it.
 pub struct Loaded {
     pub component: Component,
     pub remark: Option<String>,
@@ -66,7 +65,7 @@ impl From<Component> for Loaded {
     }
 }
 
-/// Text of a file. Only a regular file is opened, as reading a pipe could wait for ever; a file that is too large is
+/// Text of a file. Only a regular file is opened, because reading a pipe could block. A file above the size limit is
 /// not read.
 fn read(file: &Path) -> Result<String, Refusal> {
     let refused = |reason: String| Refusal::error(format!("cannot read '{}': {reason}", file.display()));
@@ -86,14 +85,14 @@ fn read(file: &Path) -> Result<String, Refusal> {
     let mut text = String::new();
     let read = File::open(file).and_then(|file| file.take(LARGEST_DEFINITION + 1).read_to_string(&mut text));
     match read {
-        // The size in the metadata need not be the true one.
+        // The size in the metadata may be wrong.
         Ok(size) if size as u64 > LARGEST_DEFINITION => Err(too_large(size as u64)),
         Ok(_) => Ok(text),
         Err(error) => Err(refused(error.to_string())),
     }
 }
 
-/// Folder that the host names by a URI or a plain path.
+/// Folder that the host states as a URI or a plain path.
 ///
 /// # Errors
 /// A scheme other than `file`, another machine, or a path that this platform cannot express.
@@ -103,21 +102,21 @@ fn from_uri(uri: &[u8]) -> Result<PathBuf, Refusal> {
         .and_then(path)
 }
 
-/// Operating systems, by what their paths look like.
+/// Operating systems with different paths.
 #[derive(Clone, Copy, PartialEq)]
 enum System {
     Unix,
     Windows,
 }
 
-/// Path that a URI or a plain path names.
+/// Path of a URI or of a plain path.
 ///
-/// A URI is percent-decoded; an invalid escape (`%zz`) is kept as it is. So is a plain path. On Windows a path begins
-/// with a drive (`file:///C:/p`, also `file://C:/p` and `file:///C|/p`) or names another machine's share, which Windows
-/// opens by its UNC path: `file://server/share/p` and `file:////server/share/p` are `//server/share/p`.
+/// A URI is percent-decoded. An invalid escape (`%zz`) and a plain path are not changed. On Windows a path starts with
+/// a drive (`file:///C:/p`, also `file://C:/p` and `file:///C|/p`), or names a share of another machine. Windows opens
+/// the share by its UNC path: `file://server/share/p` and `file:////server/share/p` are `//server/share/p`.
 ///
 /// # Errors
-/// Why the path cannot be read: a scheme other than `file`, or, on Unix, another machine.
+/// A scheme other than `file`, or, on Unix, another machine.
 fn local_path(uri: &[u8], system: System) -> Result<Vec<u8>, String> {
     let Some(rest) = strip_prefix_ignoring_case(uri, b"file:") else {
         let Some(scheme) = scheme(uri) else { return Ok(uri.to_vec()) };
@@ -137,7 +136,7 @@ fn local_path(uri: &[u8], system: System) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Letter of the drive with which a path of Windows begins, with `:` or `|` after it.
+/// Drive letter at the start of a Windows path, followed by `:` or `|`.
 fn drive(path: &[u8]) -> Option<u8> {
     match *path {
         [letter, b':' | b'|'] | [letter, b':' | b'|', b'/' | b'\\', ..] if letter.is_ascii_alphabetic() => Some(letter),
@@ -145,8 +144,8 @@ fn drive(path: &[u8]) -> Option<u8> {
     }
 }
 
-/// The path of a URI on this system. On Windows `/C:/p` and `/C|/p` are `C:/p`, and of the slashes before the name of a
-/// server two stay.
+/// The path of a URI on this system. On Windows `/C:/p` and `/C|/p` become `C:/p`, and at most two slashes stay before
+/// the name of a server.
 fn without_slash_before_drive(path: &[u8], system: System) -> Vec<u8> {
     if system == System::Unix {
         return path.to_vec();
@@ -165,27 +164,27 @@ fn without_slash_before_drive(path: &[u8], system: System) -> Vec<u8> {
 /// Folder `resources` of the FMU from which this library was loaded: `binaries/<platform>/../../resources`.
 ///
 /// # Errors
-/// The system does not know where the library is.
-fn beside_library() -> Result<PathBuf, Refusal> {
+/// The system does not return the path of the library.
+fn resources_folder() -> Result<PathBuf, Refusal> {
     let library = library_path().ok_or_else(|| {
         Refusal::error(
             "the resource location is empty, and the FMU cannot find the folder of its library; pass the path of the \
              resources folder of the FMU",
         )
     })?;
-    Ok(resources_beside(&library))
+    Ok(resources_of(&library))
 }
 
-/// On Unix the library's path may be relative and too short to go up in it.
+/// On Unix the path of the library may be relative and may have too few folders for `ancestors`.
 #[cfg(unix)]
-fn resources_beside(library: &Path) -> PathBuf {
+fn resources_of(library: &Path) -> PathBuf {
     let folder = library.parent().map(PathBuf::from).unwrap_or_default();
     folder.join("..").join("..").join("resources")
 }
 
-/// On Windows the library's path is absolute, and `..` would stand for a name in one that begins with `\\?\`.
+/// On Windows the path of the library is absolute. In a path that starts with `\\?\`, `..` would be a name.
 #[cfg(not(unix))]
-fn resources_beside(library: &Path) -> PathBuf {
+fn resources_of(library: &Path) -> PathBuf {
     library.ancestors().nth(3).unwrap_or(Path::new("")).join("resources")
 }
 
@@ -194,8 +193,8 @@ fn library_path() -> Option<PathBuf> {
     use std::os::unix::ffi::OsStrExt;
     let mut info = std::mem::MaybeUninit::<libc::Dl_info>::zeroed();
     let address = library_path as *const std::ffi::c_void;
-    // SAFETY: dladdr(3) takes any address and fills `info` if it returns non-zero; `dli_fname` is then NULL or a string
-    // that lives as long as the library, which is longer than this call.
+    // SAFETY: dladdr(3) accepts any address and fills `info` if it returns non-zero. `dli_fname` is then NULL or a
+    // string that is valid while the library is loaded, which is longer than this call.
     unsafe {
         if libc::dladdr(address, info.as_mut_ptr()) == 0 {
             return None;
@@ -211,9 +210,9 @@ fn library_path() -> Option<PathBuf> {
     use std::ffi::{OsString, c_void};
     use std::os::windows::ffi::OsStringExt;
 
-    /// The address is one within the module, whose count of users stays as it is.
+    /// Flags: the address is within the module, and the reference count of the module does not change.
     const OF_ADDRESS: u32 = 4 | 2;
-    /// Most characters of a path of Windows.
+    /// Largest number of characters of a Windows path.
     const LONGEST: usize = 32_768;
 
     #[link(name = "kernel32")]
@@ -224,15 +223,15 @@ fn library_path() -> Option<PathBuf> {
 
     let mut module = std::ptr::null_mut();
     let mut name = vec![0_u16; LONGEST];
-    // SAFETY: with these flags any address may be asked for; `module` is set if the call answers with non-zero, and
-    // stays loaded during this call, as its code runs; at most `LONGEST` characters are written to `name`.
+    // SAFETY: with these flags any address is allowed. `module` is set if the call returns non-zero, and stays loaded
+    // during this call, because its code runs. At most `LONGEST` characters are written to `name`.
     let length = unsafe {
         if GetModuleHandleExW(OF_ADDRESS, library_path as *const c_void, &raw mut module) == 0 {
             return None;
         }
         GetModuleFileNameW(module, name.as_mut_ptr(), LONGEST as u32) as usize
     };
-    // 0: failed; all characters: the path was cut off.
+    // 0: failed. `LONGEST`: the path was cut off.
     (0 < length && length < LONGEST).then(|| PathBuf::from(OsString::from_wide(&name[..length])))
 }
 
@@ -252,7 +251,7 @@ fn path(bytes: Vec<u8>) -> Result<PathBuf, Refusal> {
     String::from_utf8(bytes).map(PathBuf::from).map_err(|_| Refusal::error("the resource location is not UTF-8"))
 }
 
-/// Scheme of a URI: two letters or more, as one letter is a drive.
+/// Scheme of a URI, of at least two letters: one letter is a drive.
 fn scheme(uri: &[u8]) -> Option<&[u8]> {
     let end = uri.iter().position(|&byte| byte == b':')?;
     let is_scheme = end > 1 && uri[..end].iter().all(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b));
@@ -352,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn other_schemes_and_machines_are_refused() {
+    fn other_schemes_and_machines_are_rejected() {
         for uri in ["http://host/p", "file://server/share", "file://", "file://localhostile/p", "zip:/p"] {
             let refusal = from_uri(uri.as_bytes()).unwrap_err();
             assert!(refusal.message.contains(uri), "{}", refusal.message);
@@ -360,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn the_library_knows_its_place() {
-        assert!(beside_library().unwrap().ends_with("../../resources"));
+    fn the_resources_folder_is_found_from_the_library() {
+        assert!(resources_folder().unwrap().ends_with("../../resources"));
     }
 }

@@ -1,7 +1,7 @@
 //! A saved state of an instance, and its serialised form.
 //!
-//! In: an instance, or bytes. Out: bytes, or a state that can be restored. It must not know what a component saves. The
-//! serialised form, little-endian throughout:
+//! In: an instance, or bytes. Out: bytes, or a state that can be restored. Must not know: what a component saves. The
+//! serialised form, little-endian:
 //!
 //! | bytes | content |
 //! |---|---|
@@ -9,11 +9,11 @@
 //! | 4 | version of the form: [`VERSION`] |
 //! | 8 | number of all bytes |
 //! | 8 | hash of the GUID |
-//! | 8 | hash of what no parameter, input or text of the definition changes |
+//! | 8 | hash of the definition without parameter values, inputs and texts |
 //! | 1, 1, 1 | phase, whether an event is to be handled, whether the experiment was set up |
 //! | 1 or 9 | whether the experiment has a tolerance, the tolerance |
 //! | 17 or 25 | start time, time, whether there is a stop time, stop time |
-//! | n | the component: parameters, inputs, the state with the memory of its integration |
+//! | n | the component: parameters, inputs, the state with the memory of its integrator |
 //! | 8 | XXH64 of all bytes before |
 
 use super::clock::Clock;
@@ -24,16 +24,16 @@ use crate::codec::record::{Damaged, Record};
 use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
-/// Version of the form. It changes with every change of the bytes or of what is hashed.
+/// Version of the form. It changes with every change of the bytes or of the hashed data.
 const VERSION: u32 = 14;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
-/// More bytes than most states have, so that none are moved while they are written.
+/// Initial capacity [bytes]. Most states are smaller, so that writing them moves no bytes.
 const USUAL: usize = 4096;
 /// Bytes of the check sum.
 const CHECK: usize = 8;
 
-/// All that decides how an instance goes on.
+/// All data that determine how the simulation of an instance continues.
 #[derive(Clone, Debug)]
 pub struct Saved {
     pub phase: Phase,
@@ -45,10 +45,10 @@ pub struct Saved {
 }
 
 impl Saved {
-    /// The serialised form, for a component of this identity, in the memory of these bytes.
+    /// Writes the serialised form for a component of this identity into the memory of `bytes`.
     ///
     /// # Errors
-    /// A count of work done is near overflow.
+    /// A work counter is near overflow.
     pub fn serialise(&mut self, identity: [u64; 2], mut bytes: Vec<u8>) -> Result<Vec<u8>, Refusal> {
         let [guid, structure] = identity.map(u64::to_le_bytes);
         let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
@@ -67,10 +67,10 @@ impl Saved {
         Ok(bytes)
     }
 
-    /// Read a serialised state, for an instance with this component.
+    /// Reads a serialised state for an instance with this component.
     ///
     /// # Errors
-    /// Another form or version, bytes that are missing, too many or changed, another identity, a value out of range.
+    /// Another form or version, missing, additional or changed bytes, another identity, a value out of range.
     pub fn from_bytes(bytes: &[u8], component: &Component) -> Result<Self, Refusal> {
         let refuse = |what: String| Err(Refusal::error(what));
         if bytes.get(..8) != Some(&MAGIC) {

@@ -1,14 +1,13 @@
-//! How a saved state lives behind its pointer.
+//! Pointers to saved states.
 //!
-//! In: an instance and pointers of the host's. Out: states, or a refusal. A state belongs to no instance: every
-//! instance of the same identity takes it, and it outlives the instance that was saved. The words at its head
-//! distinguish it from other memory, from a state of another identity or of another version of this library, and mostly
-//! from a freed state. What they cannot show: memory that was given back to the system, or that holds another state by
-//! now.
+//! In: an instance and pointers of the host. Out: states, or a refusal. A state belongs to no instance: every instance
+//! of the same identity accepts the state, also after the saved instance was freed. The first words of a state
+//! distinguish it from other memory, and mostly from a freed state. They also show another identity or another version
+//! of this library. They cannot detect memory that was returned to the system, or that now holds another state.
 //!
 //! # Safety
-//! All functions share the contract of FMI 2.0.5, 2.1.8: a state is NULL or leads to readable memory of a state's size,
-//! and a pointer to a state is NULL or leads to a pointer. Nobody else uses either during the call.
+//! All functions share the contract of FMI 2.0.5, 2.1.8. A state is NULL or points to readable memory of the size of a
+//! state. A pointer to a state is NULL or points to a pointer. Nothing else uses either during the call.
 #![allow(unsafe_code, clippy::missing_safety_doc)]
 
 use super::array::output;
@@ -23,10 +22,10 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// A saved state, opaque to the host.
 pub type State = *mut c_void;
 
-/// First word of a state: another one in another version of this library, or where a state has another layout in
-/// memory, so that two libraries in one process refuse each other's states.
+/// First word of a state. It depends on the version of this library and on the layout of a state. Different libraries
+/// in one process therefore reject each other's states.
 const ALIVE: u64 = word(env!("CARGO_PKG_VERSION"), &LAYOUT);
-/// Sizes and places that a layout of [`Kept`] consists of [bytes], and what a build decides.
+/// Sizes and offsets of the layout of [`Kept`] [bytes], and the kind of build.
 const LAYOUT: [usize; 8] = [
     size_of::<Kept>(),
     align_of::<Kept>(),
@@ -57,18 +56,18 @@ const fn word(version: &str, layout: &[usize]) -> u64 {
     hash
 }
 
-/// What a state leads to.
+/// Memory behind the pointer to a state.
 struct Kept {
     word: AtomicU64,
     /// Identity of the component that was saved.
     identity: [u64; 2],
     saved: Saved,
-    /// Bytes that a host has asked the size of, until it takes them or the state is overwritten.
+    /// Serialised bytes whose size the host has requested, until the host reads them or the state is overwritten.
     bytes: Option<Vec<u8>>,
 }
 
-/// A new state for the host to keep.
-fn keep(saved: Saved, instance: &Instance) -> State {
+/// A new state for the host.
+fn new_state(saved: Saved, instance: &Instance) -> State {
     let kept = Kept { word: AtomicU64::new(ALIVE), identity: instance.component.identity(), saved, bytes: None };
     Box::into_raw(Box::new(kept)).cast()
 }
@@ -76,7 +75,7 @@ fn keep(saved: Saved, instance: &Instance) -> State {
 /// The state behind a pointer, for this instance.
 ///
 /// # Errors
-/// NULL, no state, a freed state, or a state of another identity.
+/// NULL, memory without a state, a freed state, or a state of another identity.
 #[inline(always)]
 unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Refusal> {
     let kept = state.cast::<Kept>();
@@ -87,12 +86,13 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
     if !kept.is_aligned() {
         return Err(Refusal::error(foreign));
     }
-    // SAFETY: not NULL and aligned is checked; the caller promises that the memory can be read. The word is read apart,
-    // as the rest of what is no state need not be valid.
+    // SAFETY: the pointer is not NULL and aligned. The caller guarantees that the memory can be read. The word is read
+    // separately, because the rest of other memory need not be valid.
     if unsafe { (*kept).word.load(Ordering::Relaxed) } != ALIVE {
         return Err(Refusal::error(foreign));
     }
-    // SAFETY: only `keep` writes this word, in front of a whole state; the caller promises that nobody else uses it.
+    // SAFETY: only `new_state` writes this word, before a complete state. The caller guarantees that nothing else uses
+    // the state.
     let kept = unsafe { &mut *kept };
     if kept.identity != instance.component.identity() {
         return Err(Refusal::error(format!(
@@ -109,21 +109,21 @@ unsafe fn kept<'a>(state: State, instance: &Instance) -> Result<&'a mut Kept, Re
 /// The pointer to it is NULL or misaligned.
 #[inline(always)]
 unsafe fn pointer<'a>(state: *mut State) -> Result<&'a mut State, Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let pointer = unsafe { output("pointer to a state", state, 1) }?;
-    // SAFETY: the host has written the pointer, as it is the standard's "in and out" (2.1.8).
+    // SAFETY: the host has initialised the pointer, which is "in and out" in the standard (2.1.8).
     Ok(unsafe { pointer[0].assume_init_mut() })
 }
 
-/// Save the instance. A state that `*state` already leads to is overwritten.
+/// Saves the instance. An existing state at `*state` is overwritten.
 #[inline]
 pub unsafe fn save(instance: &Instance, state: *mut State) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let state = unsafe { pointer(state) }?;
     if state.is_null() {
-        *state = keep(instance.save(), instance);
+        *state = new_state(instance.save(), instance);
     } else {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         let kept = unsafe { kept(*state, instance) }?;
         instance.save_into(&mut kept.saved);
         kept.bytes = None;
@@ -131,23 +131,23 @@ pub unsafe fn save(instance: &Instance, state: *mut State) -> Result<(), Refusal
     Ok(())
 }
 
-/// Go on from a saved state, in the phase in which it was saved.
+/// Restores a saved state, with the phase in which it was saved.
 #[inline]
 pub unsafe fn restore(instance: &mut Instance, state: State) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let kept = unsafe { kept(state, instance) }?;
     instance.restore(&kept.saved)
 }
 
-/// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL.
+/// Frees a state and sets `*state` to NULL. Does nothing for NULL and for a pointer to NULL.
 pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal> {
     if state.is_null() {
         return Ok(());
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let state = unsafe { pointer(state) }?;
     if !state.is_null() {
-        // SAFETY: the caller's promise; a state was boxed by `keep`, and this is its only way out.
+        // SAFETY: guaranteed by the caller; `new_state` boxed the state, and only this block unboxes it.
         unsafe {
             kept(*state, instance)?.word.store(FREED, Ordering::Relaxed);
             drop(Box::from_raw(state.cast::<Kept>()));
@@ -157,9 +157,9 @@ pub unsafe fn free(instance: &Instance, state: *mut State) -> Result<(), Refusal
     Ok(())
 }
 
-/// The bytes of a state, which any process can read, on any machine.
+/// The bytes of a state, which any process on any machine can read.
 unsafe fn serialized<'a>(instance: &mut Instance, state: State) -> Result<&'a mut Option<Vec<u8>>, Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let kept = unsafe { kept(state, instance) }?;
     if kept.bytes.is_none() {
         kept.bytes = Some(kept.saved.serialise(kept.identity, std::mem::take(&mut instance.spare))?);
@@ -167,36 +167,36 @@ unsafe fn serialized<'a>(instance: &mut Instance, state: State) -> Result<&'a mu
     Ok(&mut kept.bytes)
 }
 
-/// Number of bytes that [`serialize_to`] writes. They are kept for that call, which a host makes next.
+/// Number of bytes that [`serialize_to`] writes. The bytes are kept for the next call of [`serialize_to`].
 pub unsafe fn serialized_size(instance: &mut Instance, state: State) -> Result<usize, Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     Ok(unsafe { serialized(instance, state) }?.as_ref().map_or(0, Vec::len))
 }
 
-/// Write the bytes of a state to `size` bytes at `bytes`.
+/// Writes the bytes of a state to `size` bytes at `bytes`.
 pub unsafe fn serialize_to(instance: &mut Instance, state: State, bytes: *mut u8, size: usize) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let serialized = unsafe { serialized(instance, state) }?;
     let needed = serialized.as_ref().map_or(0, Vec::len);
     if size != needed {
         return Err(Refusal::error(format!(
-            "size is {size}, but the state has {needed} bytes; pass a buffer of at least {needed} bytes"
+            "size is {size}, but the state has {needed} bytes; pass a buffer of exactly {needed} bytes"
         )));
     }
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let bytes = unsafe { output("serializedState", bytes, size) }?;
     let serialized = serialized.take().unwrap_or_default();
-    // SAFETY: both have this length, and the vector is not the host's memory.
+    // SAFETY: both have this length, and the vector does not overlap the host's memory.
     unsafe { std::ptr::copy_nonoverlapping(serialized.as_ptr(), bytes.as_mut_ptr().cast(), serialized.len()) };
     instance.spare = serialized;
     Ok(())
 }
 
-/// New state of bytes that [`serialize_to`] wrote. The previous value of `*state` is not read.
+/// Creates a state from bytes that [`serialize_to`] wrote. The previous value of `*state` is not read.
 pub unsafe fn deserialize(instance: &Instance, bytes: &[u8], state: *mut State) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let state = unsafe { output("pointer to a state", state, 1) }?;
-    state[0].write(keep(Saved::from_bytes(bytes, &instance.component)?, instance));
+    state[0].write(new_state(Saved::from_bytes(bytes, &instance.component)?, instance));
     Ok(())
 }
 
@@ -208,7 +208,7 @@ mod tests {
     use crate::mechanism::GEAR;
 
     #[test]
-    fn the_first_word_tells_versions_and_layouts_apart() {
+    fn the_first_word_differs_between_versions_and_layouts() {
         assert_eq!(ALIVE, word(env!("CARGO_PKG_VERSION"), &LAYOUT));
         assert_ne!(word("1.0.0", &LAYOUT), word("1.0.1", &LAYOUT));
         for part in 0..LAYOUT.len() {
@@ -219,16 +219,16 @@ mod tests {
         assert!(ALIVE != FREED && ALIVE != u64::from_be_bytes(*b"linkstat"));
     }
 
-    /// The head of the other version's state is all that is read of it.
+    /// Each function reads only the first words of a state of another version.
     #[test]
-    fn a_state_of_another_version_is_refused_by_every_function() {
+    fn a_state_of_another_version_is_rejected_by_every_function() {
         let component = Component::from_definition("mechanism.json", GEAR).unwrap();
         let usage = crate::fmi::usage::Usage::default();
         let version = crate::fmi::version::Version::of_scalars(crate::variables::Kind::word);
         let mut instance = Instance::new(version, Logger::new(None, false), component, usage);
         let mut other = [word("0.0.0-other", &LAYOUT), 1, 2, 3];
         let state: State = other.as_mut_ptr().cast();
-        // SAFETY: the memory is readable, and belongs to this test; the last call frees a state of `save`.
+        // SAFETY: the memory is readable and belongs to this test. The last call frees a state of `save`.
         unsafe {
             let mut pointer = state;
             let refused = [

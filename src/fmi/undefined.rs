@@ -1,33 +1,33 @@
-//! The one line of the log for a call that reads values, some of which do not exist.
+//! The log line of a call that reads variables without a value.
 //!
-//! In: the variables of the call and why each has no value. Out: a warning that names the first of them with the
-//! reason. It must not know how a value is found.
+//! In: the variables of the call, with the reason why each has no value. Out: a warning that names the first variables
+//! with their reasons. Must not know: how a value is found.
 use super::refusal::Refusal;
 use std::fmt::Write;
 
-/// Variables named for each reason.
+/// Largest number of variables named for one reason.
 const NAMES: usize = 8;
-/// Reasons told.
+/// Largest number of reasons in the warning.
 const REASONS: usize = 3;
 
 /// Variables without a value, by reason.
 #[derive(Debug)]
 pub struct Undefined {
-    /// What was read: `value`, or `derivative`.
+    /// The kind of number that was read: `value` or `derivative`.
     what: &'static str,
-    /// Each reason with the first names and the number of all.
+    /// Each reason, with the first names and the number of all its variables.
     reasons: Vec<(String, Vec<String>, usize)>,
     /// Variables with further reasons.
     others: usize,
 }
 
 impl Undefined {
-    /// No variable yet; `what` is read of each.
+    /// An empty list for numbers of the kind `what`.
     pub fn new(what: &'static str) -> Self {
         Self { what, reasons: Vec::new(), others: 0 }
     }
 
-    /// A variable without a value.
+    /// Adds a variable without a value.
     pub fn add(&mut self, name: &str, reason: String) {
         if let Some((_, names, count)) = self.reasons.iter_mut().find(|(other, ..)| *other == reason) {
             *count += 1;
@@ -41,7 +41,7 @@ impl Undefined {
         }
     }
 
-    /// The warning; None if all variables have a value.
+    /// The warning. None if all variables have a value.
     pub fn warning(self) -> Option<Refusal> {
         let Self { what, reasons, others } = self;
         let mut line = format!("no {what} exists in this state (NaN is returned) for ");

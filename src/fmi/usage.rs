@@ -1,19 +1,19 @@
-//! What a host makes use of, and which phases an instance has for it.
+//! The features of FMI that a host uses, and the phases that an instance has for them.
 
 use super::phase::Phase;
 use super::refusal::Refusal;
 use super::saved::Saved;
 
-/// What a host makes use of, as it says when it makes an instance.
+/// Features that the host requests when it creates an instance.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Usage {
     /// Event mode between steps.
     pub event_mode: bool,
-    /// Steps that end at an event, or where the host asks for it.
+    /// Steps that end at an event or where the host requests it.
     pub early_return: bool,
     /// A callback after each internal step.
     pub intermediate_update: bool,
-    /// Derivatives for its own solver, instead of steps.
+    /// Derivatives for the host's solver, instead of steps.
     pub model_exchange: bool,
 }
 
@@ -29,7 +29,7 @@ impl Usage {
     }
 }
 
-/// The refusal of a state from a phase that this instance does not have.
+/// The refusal of a saved state whose phase this instance does not have.
 #[cold]
 pub(super) fn no_such_phase(saved: &Saved) -> Refusal {
     Refusal::error(format!(

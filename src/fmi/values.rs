@@ -1,7 +1,7 @@
 //! Values of an instance's variables, read and set.
 //!
-//! In: value references, checked slices. Out: values, or a refusal that leaves the instance unchanged. It must not know
-//! pointers to instances, nor how a value is found.
+//! In: value references, checked slices. Out: values, or a refusal that leaves the instance unchanged. Must not know:
+//! pointers to instances, how a value is found.
 
 use super::access::{Way, may_get, may_get_all, may_set};
 use super::instance::Instance;
@@ -24,10 +24,10 @@ fn item(component: &Component, reference: Reference, number: i64) -> Result<&'st
 }
 
 impl Instance {
-    /// Read Reals. On an error the array may be filled in part. An output that has no value in this state is NaN; all
-    /// others are told, and a warning says why.
+    /// Reads Reals. An output that has no value in this state is NaN, and a warning states the reason. The other values
+    /// are returned. After an error, the array may be partly filled.
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
-        // Outputs that were read before may be read from initialization mode on.
+        // Outputs that were read before can be read from initialization mode on.
         if self.phase == Phase::Instantiated || !self.component.has_read(references) {
             may_get_all(self, references, Kind::Real)?;
         }
@@ -39,7 +39,7 @@ impl Instance {
         if undefined { self.warn(references, "value", Component::undefined) } else { Ok(()) }
     }
 
-    /// [`Self::get_real`] of some of the references of a call.
+    /// [`Self::get_real`] for some of the references of a call.
     #[inline]
     pub(super) fn get_each_real<'a>(
         &mut self,
@@ -56,7 +56,7 @@ impl Instance {
         if undefined { self.warn(references, "value", Component::undefined) } else { Ok(()) }
     }
 
-    /// The warning that names those variables of a call of which `why` tells that they have no value.
+    /// The warning that names the variables for which `why` returns a reason.
     #[cold]
     pub(super) fn warn(
         &mut self,
@@ -74,7 +74,7 @@ impl Instance {
         undefined.warning().map_or(Ok(()), Err)
     }
 
-    /// Read Booleans, as 0 and 1 of the type `B`. On an error the array may be filled in part.
+    /// Reads Booleans, as 0 and 1 of the type `B`. After an error, the array may be partly filled.
     pub fn get_boolean<B: From<bool>>(
         &mut self,
         references: &[Reference],
@@ -87,7 +87,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Read Enumerations, as numbers of the type `N` from 1 on. On an error the array may be filled in part.
+    /// Reads Enumerations, as numbers of the type `N` from 1 on. After an error, the array may be partly filled.
     pub fn get_enumeration<N: From<i32>>(
         &mut self,
         references: &[Reference],
@@ -100,7 +100,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Set Reals, all or none.
+    /// Sets Reals. After an error, no value has changed.
     pub fn set_real(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
         let mut tunes = false;
         for (&reference, &value) in references.iter().zip(values) {
@@ -117,7 +117,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Set Booleans, all or none.
+    /// Sets Booleans. After an error, no value has changed.
     pub fn set_boolean(
         &mut self,
         references: &[Reference],
@@ -126,7 +126,7 @@ impl Instance {
         self.set(references, values, Kind::Boolean, Component::check_boolean, Component::set_boolean)
     }
 
-    /// Set Enumerations by the numbers of their items, all or none.
+    /// Sets Enumerations by the numbers of their items. After an error, no value has changed.
     pub fn set_enumeration(
         &mut self,
         references: &[Reference],
@@ -141,7 +141,7 @@ impl Instance {
         self.set(references, values, Kind::Enumeration, check, set)
     }
 
-    /// Check all values, then set all.
+    /// Checks all values, then sets all.
     #[inline]
     fn set<V>(
         &mut self,

@@ -1,24 +1,24 @@
-//! The variables that a version has beyond those of the component: the time, then the vectors, whose elements are
-//! outputs of the component.
+//! The variables of a version that are not variables of the component: the time, then the vectors. The elements of a
+//! vector are outputs of the component.
 //!
-//! In: value references. Out: the scalars that they lead to, in the order in which values are serialised. It must not
-//! know how a value is found.
+//! In: value references. Out: the corresponding scalars, in the order in which values are serialised. Must not know:
+//! how a value is found.
 use super::instance::Instance;
 use super::refusal::Refusal;
 use crate::variables::{Kind, Reference, Vector};
 use std::mem::{MaybeUninit, take};
 
-/// Dependencies of an unknown: the element of it that depends on a known, from 1, or 0 of a scalar; the known's
-/// reference.
+/// Dependencies of an unknown. First entry: the element of the unknown that depends on a known, from 1, or 0 for a
+/// scalar. Second entry: the reference of the known.
 pub type Dependencies = Vec<(usize, Reference)>;
 
 impl Instance {
-    /// Reference of the time: after those of the component.
+    /// Reference of the time, which follows those of the component.
     pub fn time_reference(&self) -> Reference {
         self.component.interface().list().len() as Reference
     }
 
-    /// The vector with this reference, if there is one: after that of the time.
+    /// The vector with this reference, if there is one. References of vectors follow the reference of the time.
     fn vector(&self, reference: Reference) -> Option<&Vector> {
         let index = reference.checked_sub(self.time_reference())?.checked_sub(1)?;
         self.vectors.get(index as usize)
@@ -34,18 +34,18 @@ impl Instance {
         name.map(|name| (name, Kind::Real))
     }
 
-    /// Whether these references are scalars of the component, one for each value, so that nothing is to be serialised.
+    /// Whether these references are scalars of the component, one for each value.
     #[inline]
     pub fn are_scalars(&self, references: &[Reference], values: usize) -> bool {
         let time = self.time_reference();
         references.len() == values && references.iter().all(|&reference| reference < time)
     }
 
-    /// Do `work` with the scalars that these references lead to, one for each value; the time is one of them. `values`
-    /// is the number of values that the host has passed.
+    /// Does `work` with the scalars of these references, one for each value. The time is one scalar. `values` is the
+    /// number of values that the host has passed.
     ///
     /// # Errors
-    /// Another number of values than of scalars; those of the work.
+    /// The numbers of values and scalars differ, or the work returns an error.
     #[inline(never)]
     pub fn serialised(
         &mut self,
@@ -71,7 +71,7 @@ impl Instance {
         answer
     }
 
-    /// Read Reals and the time, as [`Instance::get_real`].
+    /// Reads Reals and the time, like [`Instance::get_real`].
     pub fn get_real_or_time(
         &mut self,
         references: &[Reference],
@@ -88,10 +88,10 @@ impl Instance {
         self.get_each_real(references, references.iter().zip(values).filter(|(reference, _)| **reference != time))
     }
 
-    /// Refuse the time where the call is about variables of the component alone.
+    /// Rejects the time in calls about variables of the component.
     ///
     /// # Errors
-    /// One of these references is that of the time. `what` says what cannot be done with it.
+    /// One of these references is that of the time. `what` states the restriction.
     pub fn without_time(&self, references: &[Reference], what: &str) -> Result<(), Refusal> {
         match references.iter().find(|&&reference| reference == self.time_reference()) {
             Some(vr) => {
@@ -101,10 +101,10 @@ impl Instance {
         }
     }
 
-    /// Refuse vectors.
+    /// Rejects vectors.
     ///
     /// # Errors
-    /// One of these references is that of a vector. `what` says why it cannot be.
+    /// One of these references is that of a vector. `what` states the reason.
     pub fn without_vectors(&self, references: &[Reference], what: &str) -> Result<(), Refusal> {
         match references.iter().find_map(|&reference| Some((reference, self.vector(reference)?))) {
             Some((vr, vector)) => Err(Refusal::error(format!("'{}' (value reference {vr}): {what}", vector.name))),
@@ -112,10 +112,11 @@ impl Instance {
         }
     }
 
-    /// [`Self::serialised`], with an order of derivatives for each variable, which is that of all its elements.
+    /// [`Self::serialised`] with an order of derivatives for each variable, which holds for all elements of the
+    /// variable.
     ///
     /// # Errors
-    /// As there.
+    /// As [`Self::serialised`].
     pub fn serialised_orders(
         &mut self,
         references: &[Reference],
@@ -137,11 +138,11 @@ impl Instance {
         answer
     }
 
-    /// The knowns that an output depends on, element by element; before the end of initialization mode those of its
-    /// initial value.
+    /// The knowns on which an output depends, element by element. Before the end of initialization mode, the
+    /// dependencies are those of the initial value.
     ///
     /// # Errors
-    /// The variable is no output; the parameters give no model.
+    /// The variable is not an output, or no model can be built with the present parameters.
     pub fn dependencies(&mut self, reference: Reference) -> Result<Dependencies, Refusal> {
         let elements = self.vector(reference).map_or([Some(reference), None], |vector| vector.elements.map(Some));
         let is_vector = elements[1].is_some();
@@ -158,7 +159,7 @@ impl Instance {
             let initial = self.initial_dependencies.as_ref().filter(|_| is_initial);
             let knowns: Vec<Reference> = match initial {
                 Some(Some(initial)) => initial[scalar as usize].clone(),
-                // The model is too large to find them: all that is known.
+                // The model is too large to find the dependencies: all knowns are returned.
                 Some(None) => (0..).zip(list).filter(|(_, v)| v.start.is_some()).map(|(known, _)| known).collect(),
                 None => output.dependencies.clone(),
             };
@@ -168,7 +169,7 @@ impl Instance {
     }
 }
 
-/// The refusal of arrays that do not fit the variables.
+/// The refusal of an array whose length does not fit the variables.
 #[cold]
 pub fn wrong_number(variables: usize, scalars: usize, values: usize) -> Refusal {
     let plural = if variables == 1 { "" } else { "s" };
@@ -178,7 +179,7 @@ pub fn wrong_number(variables: usize, scalars: usize, values: usize) -> Refusal 
     ))
 }
 
-/// The refusal of a variable of which no dependencies are told.
+/// The refusal of a variable without dependencies.
 #[cold]
 fn no_output(instance: &Instance, reference: Reference) -> Refusal {
     let what = match instance.described(reference) {

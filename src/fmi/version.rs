@@ -1,6 +1,6 @@
-//! What an instance must know of the version of FMI that its host speaks.
+//! The properties of an FMI version that an instance needs.
 //!
-//! In: nothing. Out: the words of messages, which variables there are. It must not know which versions there are.
+//! In: nothing. Out: words of messages, and whether vectors exist. Must not know: which versions exist.
 use crate::variables::Kind;
 
 /// A version of FMI.
@@ -11,12 +11,12 @@ pub struct Version {
 }
 
 impl Version {
-    /// A version in which variables of a kind have types of these names, and the component's are all there are.
+    /// A version whose only variables are those of the component. `type_of` gives the name of the type of each kind.
     pub const fn of_scalars(type_of: fn(Kind) -> &'static str) -> Self {
         Self { type_of, has_vectors: false }
     }
 
-    /// A version in which the time and vectors are variables too.
+    /// A version in which the time and vectors are also variables.
     pub const fn with_vectors(type_of: fn(Kind) -> &'static str) -> Self {
         Self { type_of, has_vectors: true }
     }
@@ -26,7 +26,7 @@ impl Version {
         self.has_vectors
     }
 
-    /// Name of the type that variables of a kind have, for messages.
+    /// Name of the type of variables of a kind, for messages.
     pub fn type_of(&self, kind: Kind) -> &'static str {
         (self.type_of)(kind)
     }

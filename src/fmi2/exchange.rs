@@ -10,12 +10,12 @@ exported_exchange! {
     fmi2EnterContinuousTimeMode, fmi2CompletedIntegratorStep, fmi2SetTime, fmi2SetContinuousStates, fmi2GetDerivatives,
     fmi2GetEventIndicators, fmi2GetContinuousStates, fmi2GetNominalsOfContinuousStates;
 
-    /// From continuous-time mode to event mode.
+    /// Changes from continuous-time mode to event mode.
     fn fmi2EnterEventMode() in CONTINUOUS => |i| i.enter_event_mode();
 
-    /// Make the transitions that are due: impacts, bumpers, locks, rest and release. One call is enough. The next kink
-    /// of a prescribed motion is the next event that is known before its time.
-    // SAFETY: `info` leads to memory for the struct (3.2.2).
+    /// Applies the pending transitions: impacts, bumpers, locks, rest and release. One call is enough. The next kink of
+    /// a prescribed motion is returned as the next event time.
+    // SAFETY: `info` points to memory for the struct (3.2.2).
     fn fmi2NewDiscreteStates(info: *mut EventInfo) in EVENT => |i| {
         let info = output("eventInfo", info, 1)?;
         let values_changed = i.update_discrete_states()?.into();

@@ -31,11 +31,11 @@ pub extern "C" fn fmi2GetVersion() -> Text {
     c"2.0".as_ptr()
 }
 
-/// New instance, `fmi2Instantiate`, of one of the kinds of models that the library has: from the definition file in
-/// the resources folder; NULL, with a message, if anything is amiss.
+/// `fmi2Instantiate`: a new instance of one of the `kinds` in the library, from the definition file in the resources
+/// folder. Returns NULL, with a message, if anything is wrong.
 ///
-/// A NULL or empty location means the folder `resources` of the FMU that this library lies in. The callbacks are
-/// copied; each may be NULL.
+/// A NULL or empty location means the folder `resources` of the FMU that contains this library. The callbacks are
+/// copied. Each callback may be NULL.
 pub unsafe fn instantiate(
     kinds: &[ModelKind],
     name: Text,
@@ -45,7 +45,7 @@ pub unsafe fn instantiate(
     functions: *const CallbackFunctions,
     logging_on: Boolean,
 ) -> Component {
-    // SAFETY: strings and callbacks are the host's, for the duration of the call (2.1.5).
+    // SAFETY: strings and callbacks belong to the host and are valid during the call (2.1.5).
     unsafe {
         if functions.is_null() || !functions.is_aligned() {
             return std::ptr::null_mut();
@@ -64,20 +64,20 @@ pub unsafe fn instantiate(
     }
 }
 
-/// End of an instance; does nothing for NULL.
+/// Frees an instance. Does nothing for NULL.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi2FreeInstance(c: Component) {
     // SAFETY: the component is not used again (2.1.5).
     unsafe { handle::free(c) }
 }
 
-/// The host's printf-style logger for an instance of this name. The callback is copied, as the host's struct may live
-/// on its stack.
+/// The host's printf-style logger for an instance of this name. The callback is copied, because the host's struct may
+/// be on the stack.
 fn sink(functions: &CallbackFunctions, instance_name: &CStr) -> Option<Sink> {
     let (callback, environment, name) = (functions.logger?, functions.environment, instance_name.to_owned());
     Some(Box::new(move |verdict, category, message| {
-        // SAFETY: FMI 2.0.5, 2.1.5: the host's logger may be called from within any FMI function, with its own
-        // environment and printf-style arguments; "%s" takes one string. All strings outlive the call.
+        // SAFETY: FMI 2.0.5, 2.1.5: the host's logger may be called in any FMI function, with the host's environment
+        // and printf-style arguments. "%s" needs one string. All strings are valid during the call.
         unsafe {
             callback(environment, name.as_ptr(), verdict.into(), category.as_ptr(), c"%s".as_ptr(), message.as_ptr());
         }
@@ -85,15 +85,15 @@ fn sink(functions: &CallbackFunctions, instance_name: &CStr) -> Option<Sink> {
 }
 
 exported! {
-    /// Switch log categories; none given means all. Unknown ones are refused.
+    /// Switches log categories. An empty list means all categories. Unknown categories are rejected.
     // SAFETY: `categories` has `count` strings (2.1.5).
     fn fmi2SetDebugLogging(on: Boolean, count: usize, categories: *const Text) in ALIVE => |i| {
         let categories = input("categories", categories, count)?;
         i.logger.set_debug_logging(on != FALSE, categories.iter().map(|&name| text(name)))
     };
 
-    /// Start time, stop time and tolerance. Without it the start time is 0 and there is no stop time; that is accepted,
-    /// as the reference FMUs do, with a warning in the log.
+    /// Sets start time, stop time and tolerance. Without this call the start time is 0 and there is no stop time, with
+    /// a warning in the log, as in the reference FMUs.
     fn fmi2SetupExperiment(
         tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean, stop: Real
     ) in INSTANTIATED => |i| {
@@ -101,7 +101,7 @@ exported! {
         i.setup_experiment(tolerance, start, (stop_defined != FALSE).then_some(stop))
     };
 
-    /// From here on outputs have values; they are computed when one is read, or when the mode ends.
+    /// From this call on, outputs have values. They are computed when one is read, or when the mode ends.
     fn fmi2EnterInitializationMode() in INSTANTIATED => |i| {
         if !i.set_up {
             let message = "fmi2EnterInitializationMode: fmi2SetupExperiment was not called; startTime is 0 and \
@@ -112,108 +112,110 @@ exported! {
         Ok(())
     };
 
-    /// Close the loops and start. After a refusal, initialization mode goes on.
+    /// Solves the loop equations and computes the initial state. After an error the instance stays in initialization
+    /// mode.
     fn fmi2ExitInitializationMode() in INITIALIZATION => |i| i.exit_initialization_mode();
 
-    /// End of the simulation; values can still be read.
+    /// Ends the simulation. Values can still be read.
     fn fmi2Terminate() in STEP | EVENT | CONTINUOUS | FAILED => |i| {
         i.terminate();
         Ok(())
     };
 
-    /// Back to a fresh instance; the log categories stay.
+    /// Returns to the state after instantiation, except for the log categories.
     fn fmi2Reset() in ALIVE => |i| {
         i.reset();
         Ok(())
     };
 
-    /// Read Reals. An output that does not exist in this state is NaN, all others are told, and the answer is
-    /// `fmi2Warning`. On an error the array may be filled in part.
+    /// Reads Reals. An output that has no value in this state is NaN. The other values are returned, and the status is
+    /// `fmi2Warning`. After an error, the array may be partly filled.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetReal(vr: *const ValueReference, count: usize, value: *mut Real) in ALIVE => often |i|
         i.get_real(input("vr", vr, count)?, output("value", value, count)?);
 
-    /// Read Enumerations, each as the number of its item; there are no Integers. On an error the array may be filled in
-    /// part.
+    /// Reads Enumerations, each as the number of its item. There are no Integers. After an error, the array may be
+    /// partly filled.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetInteger(vr: *const ValueReference, count: usize, value: *mut Integer) in ALIVE => |i|
         i.get_enumeration(input("vr", vr, count)?, output("value", value, count)?);
 
-    /// Read Booleans, each 0 or 1. On an error the array may be filled in part.
+    /// Reads Booleans, each 0 or 1. After an error, the array may be partly filled.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetBoolean(vr: *const ValueReference, count: usize, value: *mut Boolean) in ALIVE => |i|
         i.get_boolean(input("vr", vr, count)?, output("value", value, count)?);
 
-    /// Read Strings: there are none, so that only the empty list can be read.
+    /// Reads Strings. There are no Strings, so only the empty list is accepted.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2GetString(vr: *const ValueReference, count: usize, value: *mut Text) in ALIVE => |i| {
         output("value", value, count)?;
         none_of_type(i, input("vr", vr, count)?, "String")
     };
 
-    /// Set Real inputs and parameters, all or none.
+    /// Sets Real inputs and parameters. After an error, no value has changed.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetReal(vr: *const ValueReference, count: usize, value: *const Real) in SETTABLE => often |i|
         i.set_real(input("vr", vr, count)?, input("value", value, count)?);
 
-    /// Set Enumerations by the numbers of their items, all or none.
+    /// Sets Enumerations by the numbers of their items. After an error, no value has changed.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetInteger(vr: *const ValueReference, count: usize, value: *const Integer) in SETTABLE => |i| {
         let values = input("value", value, count)?.iter().map(|&number| i64::from(number));
         i.set_enumeration(input("vr", vr, count)?, values)
     };
 
-    /// Set Boolean inputs and parameters, all or none; any number but 0 is true.
+    /// Sets Boolean inputs and parameters. Any number except 0 is true. After an error, no value has changed.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetBoolean(vr: *const ValueReference, count: usize, value: *const Boolean) in SETTABLE => |i| {
         let values = input("value", value, count)?.iter().map(|&value| value != FALSE);
         i.set_boolean(input("vr", vr, count)?, values)
     };
 
-    /// Set Strings: there are none, so that only the empty list can be set.
+    /// Sets Strings. There are no Strings, so only the empty list is accepted.
     // SAFETY: both arrays have `count` elements (2.1.7).
     fn fmi2SetString(vr: *const ValueReference, count: usize, value: *const Text) in SETTABLE => |i| {
         input("value", value, count)?;
         none_of_type(i, input("vr", vr, count)?, "String")
     };
 
-    /// Save everything that decides how the instance goes on. A state that `*state` already leads to is overwritten.
-    // SAFETY: `state` leads to a pointer, which is NULL or leads to a state (2.1.8).
+    /// Saves all data that determine how the simulation continues. An existing state at `*state` is overwritten.
+    // SAFETY: `state` points to a pointer, which is NULL or points to a state (2.1.8).
     fn fmi2GetFMUstate(state: *mut FmuState) in ALIVE => |i| state_handle::save(i, state);
 
-    /// Go on from a saved state, in the phase in which it was saved.
-    // SAFETY: `state` is NULL or leads to a state (2.1.8).
+    /// Restores a saved state, with the phase in which it was saved.
+    // SAFETY: `state` is NULL or points to a state (2.1.8).
     fn fmi2SetFMUstate(state: FmuState) in ALIVE => |i| state_handle::restore(i, state);
 
-    /// End of a state; `*state` becomes NULL. Does nothing for NULL and for a pointer to NULL. Legal after a fatal
-    /// fault, as the host must give back what it holds.
-    // SAFETY: `state` is NULL or leads to a pointer, and that is NULL or leads to a state (2.1.8).
+    /// Frees a state and sets `*state` to NULL. Does nothing for NULL and for a pointer to NULL. Also legal after a
+    /// fatal fault, because the host must free its states.
+    // SAFETY: `state` is NULL or points to a pointer, which is NULL or points to a state (2.1.8).
     fn fmi2FreeFMUstate(state: *mut FmuState) in ALIVE | FATAL => |i| state_handle::free(i, state);
 
     /// Number of bytes that [`fmi2SerializeFMUstate`] writes.
-    // SAFETY: `state` is NULL or leads to a state, `size` leads to memory for a number (2.1.8).
+    // SAFETY: `state` is NULL or points to a state, `size` points to memory for a number (2.1.8).
     fn fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) in ALIVE => |i| {
         output("size", size, 1)?[0].write(state_handle::serialized_size(i, state)?);
         Ok(())
     };
 
-    /// Write the state as bytes that any process can read, on any machine. `size` is that of
+    /// Writes the state as bytes that any process on any machine can read. `size` is the result of
     /// [`fmi2SerializedFMUstateSize`].
-    // SAFETY: `state` is NULL or leads to a state, `bytes` leads to memory for `size` bytes (2.1.8).
+    // SAFETY: `state` is NULL or points to a state, `bytes` points to memory for `size` bytes (2.1.8).
     fn fmi2SerializeFMUstate(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE => |i|
         state_handle::serialize_to(i, state, bytes.cast(), size);
 
-    /// New state from bytes of [`fmi2SerializeFMUstate`], in this process or another. The previous value of `*state` is
-    /// not read.
-    // SAFETY: `bytes` has `size` bytes, `state` leads to memory for a pointer (2.1.8).
+    /// Creates a state from bytes of [`fmi2SerializeFMUstate`], in this process or another. The previous value of
+    /// `*state` is not read.
+    // SAFETY: `bytes` has `size` bytes, `state` points to memory for a pointer (2.1.8).
     fn fmi2DeSerializeFMUstate(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE => |i|
         state_handle::deserialize(i, input("serializedState", bytes.cast::<u8>(), size)?, state);
 
-    /// For each unknown the sum over the knowns of the partial derivative times `known_rates`, at the present state,
-    /// exact.
+    /// For each unknown, the sum over the knowns of partial derivative times `known_rates`, exact, at the present
+    /// state.
     ///
-    /// An unknown is a continuous output, a known is a continuous input. What has no derivative in this state is NaN,
-    /// with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On an error the array may be filled in part.
+    /// An unknown is a continuous output, a known is a continuous input. An unknown whose derivative does not exist in
+    /// this state gets NaN, with `fmi2Warning`. With `solver.method` = "rigid_fem" the call returns an error. After an
+    /// error, the array may be partly filled.
     // SAFETY: two arrays have `unknown_count` elements, two have `known_count` (2.1.9).
     fn fmi2GetDirectionalDerivative(
         unknowns: *const ValueReference, unknown_count: usize, knowns: *const ValueReference, known_count: usize,
@@ -225,12 +227,12 @@ exported! {
         i.directional_derivative(unknowns, knowns, seeds, output("dvUnknown", unknown_rates, unknown_count)?)
     };
 
-    /// Set derivatives of order 1 and 2 of continuous inputs, all or none: u(t) = u_0 + u_1 t + u_2 t^2 / 2 from the
-    /// present communication point on.
+    /// Sets derivatives of order 1 and 2 of continuous inputs. The input is u(t) = u_0 + u_1 t + u_2 t^2 / 2, with the
+    /// time t from the present communication point. After an error, no derivative has changed.
     ///
-    /// The derivatives are 0 until set. They refer to the beginning of a step (4.2.1) and hold for one step. At its end
-    /// the inputs are u(h), which `fmi2GetReal` then reads, and stay constant. `fmi2SetReal` sets u_0, before or after
-    /// this function. Refused with `solver.method` = "rigid_fem".
+    /// The default is 0. The derivatives refer to the start of a step (4.2.1) and are valid for one step. At the end of
+    /// the step the inputs are u(h), which `fmi2GetReal` then returns, and stay constant. `fmi2SetReal` sets u_0,
+    /// before or after this function. With `solver.method` = "rigid_fem" the call returns an error.
     // SAFETY: all arrays have `count` elements (4.2.1).
     fn fmi2SetRealInputDerivatives(
         vr: *const ValueReference, count: usize, order: *const Integer, value: *const Real
@@ -239,12 +241,12 @@ exported! {
         i.set_input_derivatives(vr, order, input("value", value, count)?)
     };
 
-    /// First time derivatives of continuous outputs at the present communication point, exact, under inputs that change
-    /// with the derivatives set for the next step. After a step and before an input is set: with the derivatives at the
-    /// step's end.
+    /// First time derivatives of continuous outputs, exact, at the present communication point. The inputs change with
+    /// the derivatives that are set for the next step. After a step, until an input is set, the inputs change with the
+    /// derivatives at the end of the step.
     ///
-    /// What has no derivative in this state is NaN, with `fmi2Warning`. Refused with `solver.method` = "rigid_fem". On
-    /// an error the array may be filled in part.
+    /// A derivative that does not exist in this state is NaN, with `fmi2Warning`. With `solver.method` = "rigid_fem"
+    /// the call returns an error. After an error, the array may be partly filled.
     // SAFETY: all arrays have `count` elements (4.2.1).
     fn fmi2GetRealOutputDerivatives(
         vr: *const ValueReference, count: usize, order: *const Integer, value: *mut Real
@@ -253,23 +255,22 @@ exported! {
         i.output_derivatives(vr, order, output("value", value, count)?)
     };
 
-    /// Advance by exactly `h` [s] from the present communication point `point` [s].
+    /// Advances by exactly `h` [s] from the present communication point `point` [s].
     ///
-    /// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's
-    /// own, and for a step past the stop time. Steps are synchronous. The last argument has no meaning here: any state
-    /// can be restored.
+    /// Rejected without any change: an `h` that is not finite and positive, a `point` that is not the instance's time,
+    /// a step past the stop time. Steps are synchronous. The last argument has no effect, because any state can be
+    /// restored.
     ///
-    /// `fmi2Discard`: the step met `solver.max_steps` after a part of it (4.2.2). The state is that at the time of
-    /// `fmi2LastSuccessfulTime`, where values can be read; to go on, a state saved before is restored or the instance
-    /// reset.
+    /// `fmi2Discard`: the step reached `solver.max_steps` before its end (4.2.2). The state is that at
+    /// `fmi2LastSuccessfulTime`, and values can be read. To continue, restore an earlier state or reset the instance.
     fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => often |i| i.do_step(point, h, &mut 0);
 
-    /// Always an error: no step is asynchronous, so that there is none to cancel.
+    /// Always an error: steps are synchronous, so there is no step to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|
         Err(Refusal::error("no step is in progress; fmi2DoStep returns when its step is complete"));
 
     /// `fmi2DoStepStatus`: how the last step ended.
-    // SAFETY: `value` leads to memory for one value (4.2.3).
+    // SAFETY: `value` points to memory for one value (4.2.3).
     fn fmi2GetStatus(kind: c_int, value: *mut Status) in STEPPED => |i| {
         let last = match i.phase {
             Phase::Failed => Status::Error,
@@ -280,27 +281,27 @@ exported! {
     };
 
     /// `fmi2LastSuccessfulTime`: end of the last successful step, or the time that an interrupted step has reached [s].
-    // SAFETY: `value` leads to memory for one value (4.2.3).
+    // SAFETY: `value` points to memory for one value (4.2.3).
     fn fmi2GetRealStatus(kind: c_int, value: *mut Real) in STEPPED => |i|
         answer(value, kind, LAST_SUCCESSFUL_TIME, i.clock.time);
 
-    /// No status is an Integer: always `fmi2Discard`.
+    /// Always `fmi2Discard`: no status is an Integer.
     fn fmi2GetIntegerStatus(kind: c_int, _value: *mut Integer) in STEPPED => |_i| Err(no_such_status(kind));
 
-    /// `fmi2Terminated`: always false, as no model asks for the end of the simulation.
-    // SAFETY: `value` leads to memory for one value (4.2.3).
+    /// `fmi2Terminated`: always false, because no model ends the simulation.
+    // SAFETY: `value` points to memory for one value (4.2.3).
     fn fmi2GetBooleanStatus(kind: c_int, value: *mut Boolean) in STEPPED => |_i| answer(value, kind, TERMINATED, FALSE);
 
-    /// `fmi2PendingStatus` has no answer, as no step is ever pending: always `fmi2Discard`.
+    /// Always `fmi2Discard`: no step is ever pending, so `fmi2PendingStatus` has no value.
     fn fmi2GetStringStatus(kind: c_int, _value: *mut Text) in STEPPED => |_i| Err(no_such_status(kind));
 }
 
-/// Write the answer to the status kind that the called function has.
+/// Writes the status if `kind` is the kind of status that the called function returns.
 ///
 /// # Safety
 /// As for `array::output` of one element.
 unsafe fn answer<T>(value: *mut T, kind: c_int, known: c_int, status: T) -> Result<(), Refusal> {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let value = unsafe { output("value", value, 1) }?;
     if kind != known {
         return Err(no_such_status(kind));
@@ -309,7 +310,7 @@ unsafe fn answer<T>(value: *mut T, kind: c_int, known: c_int, status: T) -> Resu
     Ok(())
 }
 
-/// Refusal of a status kind that the called function does not have.
+/// Refusal of a status kind that the called function does not return.
 fn no_such_status(kind: c_int) -> Refusal {
     match kind {
         DO_STEP_STATUS..=TERMINATED => {

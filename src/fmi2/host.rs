@@ -1,10 +1,10 @@
-//! A host of the exported functions: an importer's side of the interface, for tests and benchmarks.
+//! A host of the exported functions, for tests and benchmarks.
 //!
-//! In: a folder with `resources/mechanism.json`. Out: instances driven through the C functions; statuses, values, saved
-//! states, messages. It must not know how a call is answered. Each method is one call, and is safe to use: arrays have
-//! the lengths that are passed, states come from this library. A name that the mechanism does not have becomes a value
-//! reference that does not exist, so the call answers `fmi2Error`. A call with a result answers with its status if that
-//! is not `fmi2OK`.
+//! In: a folder with `resources/mechanism.json`. Out: instances called through the C functions; statuses, values, saved
+//! states, messages. Must not know: how a call works. Each method is one call and safe to use: arrays have the lengths
+//! that are passed, and states come from this library. A name that the mechanism does not have becomes a value
+//! reference that does not exist, so the call returns `fmi2Error`. A method with a result returns the status as an
+//! error if the status is not `fmi2OK`.
 
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, Environment, EventInfo, FALSE, FmuState, Integer,
@@ -20,7 +20,7 @@ use std::path::Path;
 use std::ptr::null_mut;
 use std::sync::Arc;
 
-/// Message that the logger received.
+/// Message of the logger.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Message {
     /// Name of the instance.
@@ -33,12 +33,12 @@ pub struct Message {
     pub text: String,
 }
 
-/// Messages of one instance; the address of the log is the component environment.
+/// Messages of one instance. The address of the log is the component environment.
 #[derive(Debug, Default)]
 pub struct Log(RefCell<Vec<Message>>);
 
 impl Log {
-    /// Keep a message.
+    /// Adds a message.
     pub(crate) fn push(&self, message: Message) {
         self.0.borrow_mut().push(message);
     }
@@ -49,13 +49,13 @@ impl Log {
     }
 }
 
-/// A text of the library's.
+/// Copy of a text of the library.
 pub(crate) fn owned(text: Text) -> String {
     // SAFETY: the library passes strings that end with a zero byte.
     unsafe { CStr::from_ptr(text) }.to_str().expect("texts are UTF-8").to_owned()
 }
 
-/// A text with a zero byte at its end; a zero byte within ends it.
+/// Zero-terminated copy of a text, up to the first zero byte.
 fn terminated(text: &str) -> CString {
     CString::new(text.split('\0').next().unwrap_or_default()).unwrap_or_default()
 }
@@ -67,21 +67,21 @@ unsafe extern "C-unwind" fn log(env: Environment, name: Text, status: c_int, cat
     log.push(Message { instance: owned(name), status, category: owned(category), text: owned(text) });
 }
 
-/// The logger as the variadic function of the standard. On the ABIs of the supported platforms a first variadic pointer
-/// is passed like a named one.
+/// The logger as the variadic function of the standard. On the ABIs of the supported platforms, the first variadic
+/// pointer is passed like a named argument.
 pub fn logger() -> LoggerCallback {
     let logger: unsafe extern "C-unwind" fn(Environment, Text, c_int, Text, Text, Text) = log;
-    // SAFETY: see above; Rust cannot define a variadic function.
+    // SAFETY: see above. Rust cannot define a variadic function.
     unsafe { std::mem::transmute(logger) }
 }
 
-/// Callback functions with a logger, or none, that writes to `log`.
+/// Callback functions with this logger, if there is one. The logger writes to `log`.
 pub fn callbacks(logger: Option<LoggerCallback>, log: &Log) -> CallbackFunctions {
     let environment = (&raw const *log).cast_mut().cast();
     CallbackFunctions { logger, allocate_memory: None, free_memory: None, step_finished: None, environment }
 }
 
-/// What an importer knows of an FMU before it makes an instance: variables, GUID, resource location.
+/// The data of an FMU that an importer has before it creates an instance: variables, GUID, resource location.
 #[derive(Debug)]
 pub struct Description {
     component: component::Component,
@@ -110,17 +110,17 @@ impl Description {
         self.component.interface()
     }
 
-    /// Value reference of a variable; `u32::MAX`, which no variable has, for a name that does not exist.
+    /// Value reference of a variable, or `u32::MAX`, which no variable has, if the name does not exist.
     pub fn reference(&self, name: &str) -> ValueReference {
         self.interface().find(name).unwrap_or(ValueReference::MAX)
     }
 
-    /// Vectors that the FMU has in FMI 3.0.
+    /// Vectors of the FMU in FMI 3.0.
     pub fn vectors(&self) -> Vec<Vector> {
         self.component.vectors()
     }
 
-    /// Whether a step may come to an event.
+    /// Whether an event may occur in a step.
     pub fn has_events(&self) -> bool {
         self.component.has_events()
     }
@@ -148,7 +148,7 @@ impl Description {
     /// New instance named `gear`, for co-simulation.
     ///
     /// # Errors
-    /// The messages of a refused instantiation.
+    /// The log messages if the instantiation fails.
     pub fn instantiate(self: &Arc<Self>, logger: Option<LoggerCallback>, logging_on: bool) -> Result<Host, String> {
         self.instantiate_as(CO_SIMULATION, logger, logging_on)
     }
@@ -156,7 +156,7 @@ impl Description {
     /// New instance named `gear`, for model exchange.
     ///
     /// # Errors
-    /// As above.
+    /// As [`Self::instantiate`].
     pub fn exchange(self: &Arc<Self>, logger: Option<LoggerCallback>, logging_on: bool) -> Result<Host, String> {
         self.instantiate_as(MODEL_EXCHANGE, logger, logging_on)
     }
@@ -170,7 +170,7 @@ impl Description {
         let log = Box::<Log>::default();
         let functions = callbacks(logger, &log);
         let (name, guid, location) = (c"gear".as_ptr(), self.guid.as_ptr(), self.location.as_ptr());
-        // SAFETY: all pointers live during the call; the log lives as long as the instance.
+        // SAFETY: all pointers are valid during the call, and the log as long as the instance.
         let c =
             unsafe { fmi2Instantiate(name, fmu_type, guid, location, &functions, FALSE, Boolean::from(logging_on)) };
         if c.is_null() {
@@ -180,12 +180,12 @@ impl Description {
     }
 }
 
-/// A saved state; [`Host::free`] frees it.
+/// A saved state. [`Host::free`] frees it.
 #[derive(Debug)]
 pub struct State(FmuState);
 
 impl State {
-    /// No state yet: [`Host::save_into`] makes one.
+    /// No state yet: [`Host::save_into`] creates one.
     pub const NONE: Self = Self(null_mut());
 
     /// The pointer of the C interface.
@@ -193,13 +193,13 @@ impl State {
         self.0
     }
 
-    /// Where the pointer stands.
+    /// The variable that holds the pointer.
     pub(crate) fn place(&mut self) -> &mut FmuState {
         &mut self.0
     }
 }
 
-/// An instance with its messages; freed when dropped.
+/// An instance with its messages. Dropping the host frees the instance.
 #[derive(Debug)]
 pub struct Host {
     /// The component of the C interface.
@@ -209,7 +209,7 @@ pub struct Host {
     description: Arc<Description>,
 }
 
-/// Calls with no argument but the component.
+/// Calls without an argument except the component.
 macro_rules! calls {
     ($($name:ident = $function:ident),*) => {
         $(
@@ -245,22 +245,22 @@ impl Host {
         self.c
     }
 
-    /// `fmi2NewDiscreteStates`, and whether the states have jumped.
+    /// `fmi2NewDiscreteStates`. Returns the status, and whether the states jumped.
     pub fn update_discrete_states(&self) -> (Status, bool) {
         let (status, has_jumped, _) = self.update();
         (status, has_jumped)
     }
 
-    /// [`Self::update_discrete_states`], and the time of the next event, if one is known [s].
+    /// [`Self::update_discrete_states`], and the time [s] of the next event if it is known.
     pub fn update(&self) -> (Status, bool, Option<f64>) {
         let mut info = EventInfo::default();
-        // SAFETY: the component is valid; the pointer leads to the struct.
+        // SAFETY: the component is valid; the pointer points to the struct.
         let status = unsafe { fmi2NewDiscreteStates(self.c, &mut info) };
         let next = (info.next_event_time_defined != FALSE).then_some(info.next_event_time);
         (status, info.values_changed != FALSE, next)
     }
 
-    /// Value reference of a variable; `u32::MAX` for a name that does not exist.
+    /// Value reference of a variable, or `u32::MAX` if the name does not exist.
     pub fn reference(&self, name: &str) -> ValueReference {
         self.description.reference(name)
     }
@@ -270,7 +270,7 @@ impl Host {
         self.description.interface().list().len() as u32
     }
 
-    /// `fmi2GetReal`. Both slices have one length.
+    /// `fmi2GetReal`. Both slices have the same length.
     #[inline]
     pub fn reals(&self, references: &[ValueReference], values: &mut [f64]) -> Status {
         assert_eq!(references.len(), values.len());
@@ -278,7 +278,7 @@ impl Host {
         unsafe { fmi2GetReal(self.c, references.as_ptr(), references.len(), values.as_mut_ptr()) }
     }
 
-    /// `fmi2SetReal`. Both slices have one length.
+    /// `fmi2SetReal`. Both slices have the same length.
     #[inline]
     pub fn set_reals(&self, references: &[ValueReference], values: &[f64]) -> Status {
         assert_eq!(references.len(), values.len());
@@ -295,7 +295,7 @@ impl Host {
         unsafe { fmi2GetDirectionalDerivative(self.c, unknown, count, &known, 1, &1.0, values.as_mut_ptr()) }
     }
 
-    /// `fmi2SetRealInputDerivatives` of one input: the orders 1, 2, and so on.
+    /// `fmi2SetRealInputDerivatives` of one input, with the orders 1, 2 and so on.
     #[inline]
     pub fn set_rates(&self, reference: ValueReference, rates: &[f64]) -> Status {
         const MOST: usize = 8;
@@ -312,12 +312,12 @@ impl Host {
         Ok(value)
     }
 
-    /// Set one Real.
+    /// Sets one Real.
     pub fn set(&self, name: &str, value: f64) -> Status {
         self.set_reals(&[self.reference(name)], &[value])
     }
 
-    /// Set one Boolean.
+    /// Sets one Boolean.
     pub fn set_boolean(&self, name: &str, value: bool) -> Status {
         // SAFETY: the component is valid; one reference, one value.
         unsafe { fmi2SetBoolean(self.c, &self.reference(name), 1, &Boolean::from(value)) }
@@ -332,7 +332,7 @@ impl Host {
         Ok(items[number as usize - 1])
     }
 
-    /// Set one Enumeration by the name of an item; a name of none is passed as 0.
+    /// Sets one Enumeration by the name of an item. An unknown name is passed as 0.
     pub fn set_item(&self, name: &str, item: &str) -> Status {
         let reference = self.reference(name);
         let variable = self.description.interface().get(reference);
@@ -340,13 +340,13 @@ impl Host {
         self.set_number(name, number as Integer)
     }
 
-    /// Set one Enumeration by the number of an item.
+    /// Sets one Enumeration by the number of an item.
     pub fn set_number(&self, name: &str, number: Integer) -> Status {
         // SAFETY: the component is valid; one reference, one value.
         unsafe { fmi2SetInteger(self.c, &self.reference(name), 1, &number) }
     }
 
-    /// `fmi2SetupExperiment`; an undefined tolerance or stop time is passed as NaN.
+    /// `fmi2SetupExperiment`. An undefined tolerance or stop time is passed as NaN.
     pub fn set_up(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         let defined = |value: Option<f64>| (Boolean::from(value.is_some()), value.unwrap_or(f64::NAN));
         let ((has_tolerance, tolerance), (has_stop, stop)) = (defined(tolerance), defined(stop));
@@ -354,7 +354,7 @@ impl Host {
         unsafe { fmi2SetupExperiment(self.c, has_tolerance, tolerance, start, has_stop, stop) }
     }
 
-    /// From the instantiated phase into step mode: the status of the first call that is not answered with `fmi2OK`.
+    /// Initializes the instance, up to step mode. Returns the first status that is not `fmi2OK`.
     pub fn initialize(&self) -> Status {
         self.enter().ok().map_or_else(|refused| refused, |()| self.exit())
     }
@@ -366,27 +366,27 @@ impl Host {
         unsafe { fmi2DoStep(self.c, point, h, FALSE) }
     }
 
-    /// `fmi2GetFMUstate` into a state that is used again, or a new one for [`State::NONE`].
+    /// `fmi2GetFMUstate` into an existing state, or a new one for [`State::NONE`].
     #[inline]
     pub fn save_into(&self, state: &mut State) -> Status {
-        // SAFETY: the component is valid; the state is NULL or of this library.
+        // SAFETY: the component is valid; the state is NULL or belongs to this library.
         unsafe { fmi2GetFMUstate(self.c, &mut state.0) }
     }
 
     /// `fmi2SetFMUstate`.
     #[inline]
     pub fn restore(&self, state: &State) -> Status {
-        // SAFETY: the component is valid; the state is NULL or of this library.
+        // SAFETY: the component is valid; the state is NULL or belongs to this library.
         unsafe { fmi2SetFMUstate(self.c, state.0) }
     }
 
-    /// `fmi2FreeFMUstate`; leaves [`State::NONE`].
+    /// `fmi2FreeFMUstate`. The state becomes [`State::NONE`].
     pub fn free(&self, state: &mut State) -> Status {
-        // SAFETY: the component is valid; the state is NULL or of this library.
+        // SAFETY: the component is valid; the state is NULL or belongs to this library.
         unsafe { fmi2FreeFMUstate(self.c, &mut state.0) }
     }
 
-    /// A state in bytes.
+    /// Serialises a state.
     pub fn serialize(&self, state: &State) -> Result<Vec<u8>, Status> {
         let mut size = 0;
         // SAFETY: component and state are valid; the array has the size that is passed.
@@ -398,12 +398,12 @@ impl Host {
         }
     }
 
-    /// The state of some bytes.
+    /// Creates a state from bytes.
     pub fn deserialize(&self, bytes: &[u8]) -> Result<State, Status> {
-        // A refused call leaves the pointer as it was.
+        // A failed call does not change the pointer.
         let untouched: FmuState = null_mut::<u8>().wrapping_add(64).cast();
         let mut state = untouched;
-        // SAFETY: the component is valid, the array has the length that is passed; the pointer is written, not read.
+        // SAFETY: the component is valid, the array has the length that is passed. The pointer is written, not read.
         let status = unsafe { fmi2DeSerializeFMUstate(self.c, bytes.as_ptr().cast(), bytes.len(), &mut state) };
         assert!(status == Status::Ok || state == untouched);
         status.ok().map(|()| State(state))

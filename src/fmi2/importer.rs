@@ -1,10 +1,8 @@
-//! An importer of any FMU of FMI 2.0 for co-simulation: its shared library is opened and its functions are found by
-//! name, as every importer does.
+//! An importer of any FMU of FMI 2.0 for co-simulation. It opens the shared library and finds the functions by name.
 //!
-//! In: a shared library, GUID and resource location of an FMU. Out: instances driven through the C functions: statuses,
-//! values, derivatives, saved states. It must not know how a call is answered, nor that this crate exports the same
-//! functions. Each method is one call. An FMU is foreign code; each array that is passed
-//! to it has the stated length.
+//! In: shared library, GUID and resource location of an FMU. Out: instances called through the C functions: statuses,
+//! values, derivatives, saved states. Must not know: how a call works, and that this crate exports the same functions.
+//! Each method is one call. An FMU is foreign code; each array that is passed to it has the stated length.
 use super::host::{Log, callbacks};
 use super::types::{
     Boolean, CO_SIMULATION, CallbackFunctions, Component, FALSE, FmuState, Integer, LoggerCallback, Real, Status, Text,
@@ -17,7 +15,7 @@ use std::sync::Arc;
 /// Declares the table of the functions of an FMU: field, exported name, arguments after the component.
 macro_rules! functions {
     ($($field:ident = $name:ident($($argument:ty),*);)*) => {
-        /// Functions of an FMU that take a component and answer with a status.
+        /// Functions of an FMU that have a component as the first argument and return a status.
         #[derive(Clone, Copy, Debug)]
         struct Functions {
             $($field: unsafe extern "C" fn(Component $(, $argument)*) -> c_int,)*
@@ -33,7 +31,7 @@ macro_rules! functions {
             /// # Errors
             /// The name of a function that the library does not export.
             fn find(library: &shared::Library) -> Result<Self, String> {
-                // SAFETY: FMI 2.0.5 gives each name its type.
+                // SAFETY: FMI 2.0.5 defines the type of each name.
                 unsafe {
                     Ok(Self {
                         $($field: std::mem::transmute::<
@@ -80,16 +78,16 @@ mod shared {
     use std::ffi::CStr;
     use std::os::unix::ffi::OsStrExt;
 
-    /// An open shared library; it stays open, as code of it may run until the process ends.
+    /// An open shared library. The library is never closed, because its code may run until the process ends.
     #[derive(Debug)]
     pub struct Library(*mut c_void);
 
     impl Library {
         /// # Errors
-        /// Why the library cannot be opened.
+        /// Reason why the library cannot be opened.
         pub fn open(path: &OsStr) -> Result<Self, String> {
             let path = CString::new(path.as_bytes()).map_err(|e| e.to_string())?;
-            // SAFETY: the path ends with a zero byte; `dlerror` gives a text or NULL.
+            // SAFETY: the path is zero-terminated; `dlerror` returns a text or NULL.
             unsafe {
                 let library = libc::dlopen(path.as_ptr(), libc::RTLD_NOW | libc::RTLD_LOCAL);
                 if !library.is_null() {
@@ -102,10 +100,10 @@ mod shared {
         }
 
         /// # Errors
-        /// The library exports no such name.
+        /// The library does not export this name.
         pub fn symbol(&self, name: &str) -> Result<*mut c_void, String> {
             let text = CString::new(name).map_err(|e| e.to_string())?;
-            // SAFETY: the library is open; the name ends with a zero byte.
+            // SAFETY: the library is open; the name is zero-terminated.
             let symbol = unsafe { libc::dlsym(self.0, text.as_ptr()) };
             if symbol.is_null() { Err(format!("the library does not export {name}")) } else { Ok(symbol) }
         }
@@ -124,32 +122,32 @@ mod shared {
         fn GetProcAddress(library: *mut c_void, name: *const std::ffi::c_char) -> *mut c_void;
     }
 
-    /// An open shared library; it stays open, as code of it may run until the process ends.
+    /// An open shared library. The library is never closed, because its code may run until the process ends.
     #[derive(Debug)]
     pub struct Library(*mut c_void);
 
     impl Library {
         /// # Errors
-        /// Why the library cannot be opened.
+        /// Reason why the library cannot be opened.
         pub fn open(path: &OsStr) -> Result<Self, String> {
             let path: Vec<u16> = path.encode_wide().chain([0]).collect();
-            // SAFETY: the path ends with a zero.
+            // SAFETY: the path is zero-terminated.
             let library = unsafe { LoadLibraryW(path.as_ptr()) };
             if library.is_null() { Err(std::io::Error::last_os_error().to_string()) } else { Ok(Self(library)) }
         }
 
         /// # Errors
-        /// The library exports no such name.
+        /// The library does not export this name.
         pub fn symbol(&self, name: &str) -> Result<*mut c_void, String> {
             let text = CString::new(name).map_err(|e| e.to_string())?;
-            // SAFETY: the library is open; the name ends with a zero byte.
+            // SAFETY: the library is open; the name is zero-terminated.
             let symbol = unsafe { GetProcAddress(self.0, text.as_ptr()) };
             if symbol.is_null() { Err(format!("the library does not export {name}")) } else { Ok(symbol) }
         }
     }
 }
 
-/// The shared library of an FMU, with what an instance is made from.
+/// The shared library of an FMU, with the data for new instances.
 #[derive(Debug)]
 pub struct Library {
     functions: Functions,
@@ -158,10 +156,10 @@ pub struct Library {
 }
 
 impl Library {
-    /// Open the shared library at `path` of an FMU with this GUID and resource location (a URI).
+    /// Opens the shared library at `path` of an FMU with this GUID and resource location (a URI).
     ///
     /// # Errors
-    /// The library cannot be opened, or exports no function that is needed.
+    /// The library cannot be opened, or does not export a required function.
     pub fn open(path: &OsStr, guid: &str, resources: &str) -> Result<Arc<Self>, String> {
         let refused = |reason: String| format!("{}: {reason}", path.to_string_lossy());
         let functions = Functions::find(&shared::Library::open(path).map_err(refused)?).map_err(refused)?;
@@ -169,14 +167,14 @@ impl Library {
         Ok(Arc::new(Self { functions, guid: text(guid)?, resources: text(resources)? }))
     }
 
-    /// New instance for co-simulation; its messages go to its log.
+    /// New instance for co-simulation. Its messages go to its log.
     ///
     /// # Errors
-    /// The FMU refuses.
+    /// The FMU returns NULL.
     pub fn instantiate(self: &Arc<Self>, name: &str, logger: Option<LoggerCallback>) -> Result<Instance, String> {
         let log = Box::<Log>::default();
         let name = CString::new(name).map_err(|e| e.to_string())?;
-        // An FMU may keep the pointer to the callbacks, and may call those for memory (FMI 2.0.5, 2.1.5).
+        // An FMU may keep the pointer to the callbacks, and may call the memory functions (FMI 2.0.5, 2.1.5).
         let functions = Box::new(CallbackFunctions {
             allocate_memory: Some(libc::calloc),
             free_memory: Some(libc::free),
@@ -184,7 +182,7 @@ impl Library {
         });
         let Functions { instantiate, .. } = self.functions;
         let (guid, resources) = (self.guid.as_ptr(), self.resources.as_ptr());
-        // SAFETY: all pointers live during the call, log and callbacks as long as the instance.
+        // SAFETY: all pointers are valid during the call, the log and the callbacks as long as the instance.
         let c = unsafe { instantiate(name.as_ptr(), CO_SIMULATION, guid, resources, &*functions, FALSE, FALSE) };
         if c.is_null() {
             return Err(format!("fmi2Instantiate: refused: {:?}", log.take()));
@@ -193,16 +191,16 @@ impl Library {
     }
 }
 
-/// A saved state of an [`Instance`]; [`Instance::free`] frees it.
+/// A saved state of an [`Instance`]. [`Instance::free`] frees it.
 #[derive(Debug)]
 pub struct State(FmuState);
 
 impl State {
-    /// No state yet: [`Instance::save`] makes one.
+    /// No state yet: [`Instance::save`] creates one.
     pub const NONE: Self = Self(null_mut());
 }
 
-/// An instance of an FMU, freed when dropped.
+/// An instance of an FMU. Dropping it frees the FMU's instance.
 #[derive(Debug)]
 pub struct Instance {
     c: Component,
@@ -213,7 +211,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// A status as the FMU answered it, with the messages since the last call.
+    /// Converts a status of the FMU to a result. An error contains the messages since the last call.
     fn answer(&self, function: &str, status: c_int) -> Result<(), String> {
         const OK: c_int = Status::Ok as c_int;
         const WARNING: c_int = Status::Warning as c_int;
@@ -226,7 +224,7 @@ impl Instance {
     /// `fmi2SetupExperiment`.
     ///
     /// # Errors
-    /// As every method: the FMU answers neither `fmi2OK` nor `fmi2Warning`.
+    /// In every method: the status of the FMU is neither `fmi2OK` nor `fmi2Warning`.
     pub fn set_up(&self, start: f64, stop: Option<f64>) -> Result<(), String> {
         let setup = self.library.functions.setup;
         // SAFETY: the component is valid.
@@ -305,7 +303,7 @@ impl Instance {
         self.answer("fmi2SetInteger", status)
     }
 
-    /// `fmi2SetRealInputDerivatives` of one input, of the orders 1, 2 and so on.
+    /// `fmi2SetRealInputDerivatives` of one input, with the orders 1, 2 and so on.
     ///
     /// # Errors
     /// As [`Self::set_up`].
@@ -350,12 +348,12 @@ impl Instance {
         self.answer("fmi2DoStep", unsafe { (self.library.functions.step)(self.c, t, h, FALSE) })
     }
 
-    /// `fmi2GetFMUstate` into a state of this instance that is used again, or a new one for [`State::NONE`].
+    /// `fmi2GetFMUstate` into an existing state of this instance, or a new one for [`State::NONE`].
     ///
     /// # Errors
     /// As [`Self::set_up`].
     pub fn save(&self, state: &mut State) -> Result<(), String> {
-        // SAFETY: the component is valid; the state is NULL or of this instance.
+        // SAFETY: the component is valid; the state is NULL or belongs to this instance.
         self.answer("fmi2GetFMUstate", unsafe { (self.library.functions.get_state)(self.c, &mut state.0) })
     }
 
@@ -364,16 +362,16 @@ impl Instance {
     /// # Errors
     /// As [`Self::set_up`].
     pub fn restore(&self, state: &State) -> Result<(), String> {
-        // SAFETY: the component is valid; the state is NULL or of this instance.
+        // SAFETY: the component is valid; the state is NULL or belongs to this instance.
         self.answer("fmi2SetFMUstate", unsafe { (self.library.functions.set_state)(self.c, state.0) })
     }
 
-    /// `fmi2FreeFMUstate`; leaves [`State::NONE`].
+    /// `fmi2FreeFMUstate`. The state becomes [`State::NONE`].
     ///
     /// # Errors
     /// As [`Self::set_up`].
     pub fn free(&self, state: &mut State) -> Result<(), String> {
-        // SAFETY: the component is valid; the state is NULL or of this instance.
+        // SAFETY: the component is valid; the state is NULL or belongs to this instance.
         self.answer("fmi2FreeFMUstate", unsafe { (self.library.functions.free_state)(self.c, &mut state.0) })
     }
 }

@@ -1,15 +1,15 @@
-//! The function of FMI 2.0 that makes an instance, for the kinds of models that a library has. A library for fewer
-//! kinds is smaller: nothing else in it refers to the code of a kind.
+//! The function of FMI 2.0 that creates an instance, for the kinds of models in a library. A library with fewer kinds
+//! is smaller, because only this function refers to the code of the kinds.
 //!
-//! In: the kinds, the host's arguments. Out: an instance. It must not know any kind.
+//! In: the kinds, the host's arguments. Out: an instance. Must not know: any kind.
 use crate::component::KINDS;
 
-/// The function of FMI 2.0 that makes an instance of one of the kinds, with this attribute. The contract of the
-/// pointers is that of the module [`fmi2`](crate::fmi2).
+/// Defines the function of FMI 2.0 that creates an instance of one of the kinds, with this attribute. The contract of
+/// the pointers is that of the module [`fmi2`](crate::fmi2).
 #[macro_export]
 macro_rules! fmi2_instantiation {
     ($kinds:expr $(, $attribute:meta)?) => {
-        /// FMI 2.0.5, 2.1.5: a new instance. `visible` has no meaning.
+        /// FMI 2.0.5, 2.1.5: creates an instance. `visible` has no effect.
         $(#[$attribute])?
         pub unsafe extern "C" fn fmi2Instantiate(
             name: $crate::fmi2::types::Text,
@@ -21,7 +21,7 @@ macro_rules! fmi2_instantiation {
             logging_on: $crate::fmi2::types::Boolean,
         ) -> $crate::fmi2::types::Component {
             let kinds: &[$crate::component::ModelKind] = $kinds;
-            // SAFETY: the pointers are the host's own.
+            // SAFETY: the caller is the host, which guarantees the contract of the pointers.
             unsafe { $crate::fmi2::instantiate(kinds, name, fmu_type, guid, location, functions, logging_on) }
         }
     };

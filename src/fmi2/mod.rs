@@ -1,16 +1,16 @@
-//! The C interface of FMI 2.0.5: every exported function, 1 to 4 lines over the version-free half in `fmi`.
+//! The C interface of FMI 2.0.5. Each exported function is 1 to 4 lines that call the shared parts in `fmi`.
 //!
-//! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal: the state
-//! machine of FMI 2.0.5, 4.2.4. `types` has the C types. It must not know any kind of model.
+//! In: the host's calls. Out: statuses and values. Each function states the phases in which it is legal, according to
+//! the state machine of FMI 2.0.5, 4.2.4. `types` contains the C types. Must not know: any kind of model.
 //!
-//! Co-simulation and model exchange are complete but for what the XML does not declare. A function of the one refuses
-//! an instance that was made for the other.
+//! Co-simulation and model exchange are complete, except for features that the XML does not declare. A function of one
+//! interface type returns an error for an instance of the other.
 //!
 //! # Safety
-//! All functions share one contract, the standard's own. A component is NULL or comes from [`fmi2Instantiate`], has not
-//! been freed, and is used by one thread at a time (2.1.5); so is a state while it is written or freed (2.1.8). An
-//! array argument has as many elements as its count says, and a string ends with a zero byte (2.1.4, 2.1.7). A NULL is
-//! answered with `fmi2Error`, wherever it stands, except as an empty array.
+//! All functions share the contract of the standard. A component is NULL or comes from [`fmi2Instantiate`] and was not
+//! freed. One thread at a time uses a component (2.1.5), or a state that is written or freed (2.1.8). The count of an
+//! array argument is the number of its elements, and a string is zero-terminated (2.1.4, 2.1.7). A NULL argument gives
+//! `fmi2Error`, except as an empty array.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 mod exchange;
@@ -26,7 +26,7 @@ pub use exchange::*;
 pub use functions::*;
 pub use instantiation::*;
 
-/// What an instance must know of FMI 2.0.
+/// The properties of FMI 2.0 that an instance needs.
 pub(crate) const VERSION: Version = Version::of_scalars(Kind::word);
 
 #[cfg(test)]
@@ -49,9 +49,9 @@ mod tests {
         assert_eq!(legal.map(|function| function.name).collect::<Vec<_>>(), ["fmi2FreeFMUstate"]);
     }
 
-    /// States of an instance that is lost are given back by any instance of the kind, itself included.
+    /// Any instance of the kind can free the states of a fatal instance, including the fatal instance.
     #[test]
-    fn a_lost_instance_frees_its_states() {
+    fn a_fatal_instance_frees_its_states() {
         use super::types::Status;
         use crate::component::Component;
         use crate::fmi::{handle, logger::Logger, refusal::Verdict, usage::Usage};

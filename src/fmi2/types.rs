@@ -1,14 +1,14 @@
 //! The C types of FMI 2.0.5 (`fmi2TypesPlatform.h`, `fmi2FunctionTypes.h`).
 //!
-//! In: nothing. Out: the layout that both sides of the boundary share. An enumeration that the host passes in arrives
-//! as a plain integer and is checked where it is used: an unknown number in a Rust enum would be undefined behaviour.
+//! In: nothing. Out: the memory layout that host and FMU share. An enumeration from the host has an integer type and is
+//! checked where it is used. An unknown number in a Rust enum would be undefined behaviour.
 
 use crate::fmi::refusal::Verdict;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi2Component`: an instance, opaque to the host.
 pub type Component = *mut c_void;
-/// `fmi2ComponentEnvironment`: a pointer of the host's, handed back to it with every message.
+/// `fmi2ComponentEnvironment`: a pointer of the host, which is passed back to the host with every message.
 pub type Environment = *mut c_void;
 /// `fmi2FMUstate`: a saved state, opaque to the host.
 pub type FmuState = *mut c_void;
@@ -18,9 +18,9 @@ pub type ValueReference = c_uint;
 pub type Real = f64;
 /// `fmi2Integer`.
 pub type Integer = c_int;
-/// `fmi2Boolean`: 0 is false; any other number is taken for true, as in C.
+/// `fmi2Boolean`: 0 is false. Any other number is true, as in C.
 pub type Boolean = c_int;
-/// `fmi2String`: text that ends with a zero byte, UTF-8.
+/// `fmi2String`: zero-terminated text, UTF-8.
 pub type Text = *const c_char;
 /// `fmi2Byte`.
 pub type Byte = c_char;
@@ -30,21 +30,21 @@ pub const FALSE: Boolean = 0;
 /// `fmi2True`.
 pub const TRUE: Boolean = 1;
 
-/// `fmi2Type` of model exchange, as the host passes it.
+/// `fmi2Type` of model exchange.
 pub const MODEL_EXCHANGE: c_int = 0;
-/// `fmi2Type` of co-simulation, as the host passes it.
+/// `fmi2Type` of co-simulation.
 pub const CO_SIMULATION: c_int = 1;
 
-/// `fmi2StatusKind`, as the host passes it: the status of the last `fmi2DoStep`.
+/// `fmi2StatusKind`: the status of the last `fmi2DoStep`.
 pub const DO_STEP_STATUS: c_int = 0;
-/// `fmi2StatusKind`, as the host passes it: why a step is pending.
+/// `fmi2StatusKind`: the reason why a step is pending.
 pub const PENDING_STATUS: c_int = 1;
-/// `fmi2StatusKind`, as the host passes it: end of the last successful step [s].
+/// `fmi2StatusKind`: end of the last successful step [s].
 pub const LAST_SUCCESSFUL_TIME: c_int = 2;
-/// `fmi2StatusKind`, as the host passes it: whether the FMU wants the simulation to end.
+/// `fmi2StatusKind`: whether the FMU requests the end of the simulation.
 pub const TERMINATED: c_int = 3;
 
-/// `fmi2EventInfo`: what an event has changed. By default nothing.
+/// `fmi2EventInfo`: the changes that an event has made. The default is no change.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[repr(C)]
 pub struct EventInfo {
@@ -52,31 +52,31 @@ pub struct EventInfo {
     pub new_discrete_states_needed: Boolean,
     /// Whether the simulation is to end.
     pub terminate_simulation: Boolean,
-    /// Whether the scales of the continuous states have changed.
+    /// Whether the nominal values of the continuous states have changed.
     pub nominals_changed: Boolean,
     /// Whether the continuous states have changed.
     pub values_changed: Boolean,
-    /// Whether the next event is known before its time.
+    /// Whether the time of the next event is known.
     pub next_event_time_defined: Boolean,
-    /// Its time [s].
+    /// Time of the next event [s].
     pub next_event_time: Real,
 }
 
-/// `fmi2Status`: the answer to a call.
+/// `fmi2Status`: status of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum Status {
-    /// All well.
+    /// The call succeeded.
     Ok,
-    /// Done, with something to be said about it.
+    /// The call succeeded. A message states something unusual.
     Warning,
-    /// Not available; the instance can go on.
+    /// The result does not exist, or the step ended early. The instance can continue.
     Discard,
-    /// Refused or failed; a message says why.
+    /// The call is wrong or failed. A message states the reason.
     Error,
-    /// This instance is beyond repair.
+    /// The instance cannot be used any more.
     Fatal,
-    /// An asynchronous step is running; never answered here.
+    /// An asynchronous step is running. Never returned by this FMU.
     Pending,
 }
 
@@ -101,9 +101,9 @@ impl From<Verdict> for Status {
     }
 }
 
-/// `fmi2CallbackLogger`: printf-style, hence variadic. It returns: an exception that leaves it ends the process, with
-/// Rust's message that it cannot catch foreign exceptions. After a `longjmp` out of it the instance is lost: each later
-/// call on the instance returns an error, and its memory stays allocated.
+/// `fmi2CallbackLogger`: printf-style, therefore variadic. The callback must return. An exception that leaves the
+/// callback ends the process, with Rust's message about foreign exceptions. After a `longjmp` out of the callback, each
+/// call on the instance returns an error, and the memory of the instance stays allocated.
 pub type LoggerCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     instance_name: Text,
@@ -119,9 +119,9 @@ pub type LoggerCallback = unsafe extern "C-unwind" fn(
 pub struct CallbackFunctions {
     /// Receives the messages.
     pub logger: Option<LoggerCallback>,
-    /// Never called: memory does not cross the boundary.
+    /// Never called: host and FMU do not exchange memory.
     pub allocate_memory: Option<unsafe extern "C" fn(count: usize, size: usize) -> *mut c_void>,
-    /// Never called: memory does not cross the boundary.
+    /// Never called: host and FMU do not exchange memory.
     pub free_memory: Option<unsafe extern "C" fn(memory: *mut c_void)>,
     /// Never called: every step is synchronous.
     pub step_finished: Option<unsafe extern "C" fn(environment: Environment, status: Status)>,

@@ -1,5 +1,5 @@
-//! The exported functions of FMI 3.0.2 that have nothing to serve here: other interface types, clocks, configuration
-//! mode, types that no variable has. Each is refused with the reason.
+//! The exported functions of FMI 3.0.2 for features that this FMU does not have: other interface types, clocks,
+//! configuration mode, types of no variable. Each function returns an error with the reason.
 
 use super::VERSION;
 use super::functions::{same_length, sink};
@@ -30,11 +30,11 @@ pub unsafe extern "C" fn fmi3InstantiateScheduledExecution(
     _lock_preemption: *const c_void,
     _unlock_preemption: *const c_void,
 ) -> Component {
-    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
+    // SAFETY: strings belong to the host and are valid during the call (2.2.6).
     unsafe { refuse_instance("fmi3InstantiateScheduledExecution", name, logging_on, environment, log_message) }
 }
 
-/// NULL, with a message.
+/// Returns NULL, with a message.
 ///
 /// # Safety
 /// As for `array::text`.
@@ -45,7 +45,7 @@ unsafe fn refuse_instance(
     environment: Environment,
     log_message: Option<LogMessage>,
 ) -> Component {
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     let name = unsafe { text(name) }.unwrap_or_default();
     let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
     handle::instantiate(VERSION, function, name, logger, Usage::default(), || {
@@ -56,20 +56,20 @@ unsafe fn refuse_instance(
     })
 }
 
-/// Getters and setters of types that no variable has: only the empty list can be read or set.
+/// Getters and setters for types that no variable has. Only the empty list is accepted.
 macro_rules! absent_types {
     ($($name:literal $get:ident $set:ident $type:ty;)*) => {
         exported! {
             $(
-                /// Read variables of a type that none has: only the empty list.
-                // SAFETY: both arrays have as many elements as said (2.2.6).
+                /// Reads variables of a type that no variable has. Only the empty list is accepted.
+                // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).
                 fn $get(vr: *const ValueReference, count: usize, value: *mut $type, values: usize) in ALIVE => |i| {
                     output("values", value, values)?;
                     same_length(count, values)?;
                     none_of_type(i, input("valueReferences", vr, count)?, $name)
                 };
-                /// Set variables of a type that none has: only the empty list.
-                // SAFETY: both arrays have as many elements as said (2.2.6).
+                /// Sets variables of a type that no variable has. Only the empty list is accepted.
+                // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).
                 fn $set(vr: *const ValueReference, count: usize, value: *const $type,
                     values: usize) in SETTABLE => |i| {
                     input("values", value, values)?;
@@ -141,7 +141,7 @@ exported! {
 
 }
 
-/// Refusal of variables that do not exist; the empty list is done.
+/// Refusal of variables that do not exist. An empty list is accepted.
 fn none(count: usize, what: &str) -> Result<(), Refusal> {
     if count == 0 { Ok(()) } else { Err(Refusal::error(format!("this FMU has no {what}"))) }
 }

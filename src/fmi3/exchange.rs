@@ -12,9 +12,9 @@ use crate::fmi::phase::{ALIVE, Function};
 use crate::fmi::usage::Usage;
 use crate::fmi::{exported_exchange, handle, resources};
 
-/// New instance for model exchange, `fmi3InstantiateModelExchange`, of one of the kinds of models that the library
-/// has: from the definition file in the folder of resources; NULL, with a message, if anything is amiss, and where the
-/// XML does not declare model exchange. The path is that of [`super::instantiate_co_simulation`].
+/// `fmi3InstantiateModelExchange`: a new instance for model exchange of one of the `kinds` in the library, from the
+/// definition file in the resources folder. Returns NULL, with a message, if anything is wrong or if the XML does not
+/// declare model exchange. The path is that of [`super::instantiate_co_simulation`].
 pub unsafe fn instantiate_model_exchange(
     kinds: &[ModelKind],
     name: Text,
@@ -24,7 +24,7 @@ pub unsafe fn instantiate_model_exchange(
     environment: Environment,
     log_message: Option<LogMessage>,
 ) -> Component {
-    // SAFETY: strings are the host's, for the duration of the call (2.2.6).
+    // SAFETY: strings belong to the host and are valid during the call (2.2.6).
     unsafe {
         let (name, token, path) = (text(name).unwrap_or_default(), text(token), text(resource_path));
         let logger = Logger::new(sink(environment, log_message), logging_on != FALSE);
@@ -41,14 +41,14 @@ exported_exchange! {
         fmi3GetNominalsOfContinuousStates;
 
     /// Number of event indicators.
-    // SAFETY: the pointer leads to memory for one value (3.2.2).
+    // SAFETY: the pointer points to memory for one value (3.2.2).
     fn fmi3GetNumberOfEventIndicators(count: *mut usize) in ALIVE => |i| {
         output("nEventIndicators", count, 1)?[0].write(i.indicator_count()?);
         Ok(())
     };
 
     /// Number of continuous states.
-    // SAFETY: the pointer leads to memory for one value (3.2.2).
+    // SAFETY: the pointer points to memory for one value (3.2.2).
     fn fmi3GetNumberOfContinuousStates(count: *mut usize) in ALIVE => |i| {
         output("nContinuousStates", count, 1)?[0].write(i.state_count()?);
         Ok(())

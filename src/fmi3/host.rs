@@ -1,8 +1,8 @@
-//! A host of the exported functions of FMI 3.0: an importer's side of the interface, for tests and attacks.
+//! A host of the exported functions of FMI 3.0, for tests and for tests with hostile input.
 //!
-//! In: a description. Out: instances driven through the C functions; statuses, values, saved states, messages. It must
-//! not know how a call is answered. Each method is one call, and is safe to use: arrays have the lengths that are
-//! passed, states come from this library, and what is spoiled on purpose is refused before it is read.
+//! In: a description. Out: instances called through the C functions; statuses, values, saved states, messages. Must not
+//! know: how a call works. Each method is one call and safe to use: arrays have the lengths that are passed, and states
+//! come from this library. Deliberately invalid arguments are rejected before they are read.
 
 use super::types::{Boolean, Environment, FALSE, FmuState, Instance, Status, TRUE, Text, ValueReference};
 use super::*;
@@ -13,31 +13,31 @@ use std::ffi::c_int;
 use std::ptr::{NonNull, null, null_mut};
 use std::sync::Arc;
 
-/// What the host's callback does after an internal step: it may read the instance, and asks for the end of the step at
-/// a time [s] if it returns one.
+/// The host's callback after an internal step. Argument: the time reached [s]. The callback may read the instance.
+/// Result: the time [s] at which the step shall end, if the host requests an early end.
 pub type Update = dyn Fn(&Calls, f64) -> Option<f64>;
 
-/// What an instance is made for.
+/// Features of FMI that the host requests for an instance.
 #[derive(Default)]
 pub struct Wishes {
     /// Event mode between steps.
     pub event_mode: bool,
     /// Steps that end early.
     pub early_return: bool,
-    /// `loggingOn`: events are told too.
+    /// `loggingOn`: events are logged too.
     pub logging: bool,
     /// A callback after internal steps.
     pub update: Option<Box<Update>>,
 }
 
-/// What a step tells besides its status.
+/// Results of a step in addition to its status.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stepped {
-    /// Whether an event is to be handled.
+    /// Whether an event must be handled.
     pub event: bool,
-    /// Whether the host is asked to end the simulation.
+    /// Whether the FMU requests the end of the simulation.
     pub terminate: bool,
-    /// Whether the step has ended early.
+    /// Whether the step ended early.
     pub early: bool,
     /// Time reached [s].
     pub last: f64,
@@ -51,7 +51,7 @@ pub struct Calls {
     update: Option<Box<Update>>,
 }
 
-/// An instance; freed when dropped.
+/// An instance. Dropping the host frees the instance.
 pub struct Host(Box<Calls>);
 
 impl std::ops::Deref for Host {
@@ -70,7 +70,7 @@ impl Drop for Host {
 }
 
 unsafe extern "C-unwind" fn log(environment: Environment, status: Status, category: Text, message: Text) {
-    // SAFETY: the environment is the `Calls` of the instance, which outlive it.
+    // SAFETY: the environment is the `Calls` of the instance, which is valid longer than the instance.
     let calls = unsafe { &*environment.cast::<Calls>() };
     let (status, category, text) = (status as c_int, owned(category), owned(message));
     calls.log.push(Message { instance: String::new(), status, category, text });
@@ -87,7 +87,7 @@ unsafe extern "C-unwind" fn call_update(
     return_time: *mut f64,
 ) {
     assert_eq!([set_requested, get_allowed, step_finished], [FALSE, TRUE, TRUE]);
-    // SAFETY: as above; both pointers lead to memory for one value (4.2.2).
+    // SAFETY: as above; both pointers point to memory for one value (4.2.2).
     unsafe {
         let calls = &*environment.cast::<Calls>();
         if let Some(stop) = calls.update.as_ref().and_then(|update| update(calls, time)) {
@@ -100,11 +100,11 @@ impl Host {
     /// New instance of a description.
     ///
     /// # Errors
-    /// The messages of a refused instantiation.
+    /// The log messages if the instantiation fails.
     pub fn new(description: &Arc<Description>, wishes: Wishes) -> Result<Self, String> {
         let Wishes { event_mode, early_return, logging, update } = wishes;
         let has_update = update.is_some();
-        // SAFETY: all pointers live during the call; the calls live as long as the instance.
+        // SAFETY: all pointers are valid during the call, and the `Calls` as long as the instance.
         Self::with(update, |environment| unsafe {
             fmi3InstantiateCoSimulation(
                 c"gear".as_ptr(),
@@ -126,7 +126,7 @@ impl Host {
     /// New instance of a description for model exchange.
     ///
     /// # Errors
-    /// The messages of a refused instantiation.
+    /// The log messages if the instantiation fails.
     pub fn exchange(description: &Arc<Description>, logging: bool) -> Result<Self, String> {
         let (token, path) = (description.guid().as_ptr(), description.location().as_ptr());
         // SAFETY: as above.
@@ -147,7 +147,7 @@ impl Host {
     }
 }
 
-/// Calls with no argument but the instance.
+/// Calls without an argument except the instance.
 macro_rules! calls {
     ($($name:ident = $function:ident),* $(,)?) => {
         $(
@@ -180,12 +180,12 @@ impl Calls {
         fmi3GetNominalsOfContinuousStates
     );
 
-    /// The instance, for calls that the host does not make.
+    /// The instance, for functions without a method here.
     pub fn instance(&self) -> Instance {
         self.c.get()
     }
 
-    /// `fmi3EnterInitializationMode`; an undefined tolerance or stop time is passed as NaN.
+    /// `fmi3EnterInitializationMode`. An undefined tolerance or stop time is passed as NaN.
     pub fn enter(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> Status {
         let defined = |value: Option<f64>| (Boolean::from(value.is_some()), value.unwrap_or(f64::NAN));
         let ((has_tolerance, tolerance), (has_stop, stop)) = (defined(tolerance), defined(stop));
@@ -216,7 +216,7 @@ impl Calls {
         unsafe { fmi3GetBoolean(self.c.get(), &reference, 1, value, 1) }
     }
 
-    /// `fmi3SetBoolean` of one variable, with any byte.
+    /// `fmi3SetBoolean` of one variable. Any byte can be passed.
     pub fn set_boolean(&self, reference: ValueReference, value: Boolean) -> Status {
         // SAFETY: the instance is valid; one reference, one value.
         unsafe { fmi3SetBoolean(self.c.get(), &reference, 1, &value, 1) }
@@ -257,7 +257,7 @@ impl Calls {
         unsafe { fmi3GetOutputDerivatives(self.c.get(), vr, count, order, values.as_mut_ptr(), values.len()) }
     }
 
-    /// `fmi3GetNumberOfVariableDependencies`, and `fmi3GetVariableDependencies` if there is a number.
+    /// `fmi3GetNumberOfVariableDependencies`, then `fmi3GetVariableDependencies` if the first call succeeds.
     pub fn dependencies(&self, reference: ValueReference) -> Status {
         let mut count = 0;
         // SAFETY: the instance is valid; all arrays have the length that is passed.
@@ -273,17 +273,17 @@ impl Calls {
         }
     }
 
-    /// `fmi3UpdateDiscreteStates`, and whether the state has jumped.
+    /// `fmi3UpdateDiscreteStates`. Returns the status, and whether the state jumped.
     pub fn update_discrete_states(&self) -> (Status, bool) {
         let (status, has_jumped, _) = self.update();
         (status, has_jumped)
     }
 
-    /// [`Self::update_discrete_states`], and the time of the next event, if one is known [s].
+    /// [`Self::update_discrete_states`], and the time [s] of the next event if it is known.
     pub fn update(&self) -> (Status, bool, Option<f64>) {
         let (mut flags, mut next) = ([FALSE; 5], f64::NAN);
         let [update, terminate, nominals, values, defined] = &mut flags;
-        // SAFETY: the instance is valid; each pointer leads to one value.
+        // SAFETY: the instance is valid; each pointer points to one value.
         let status =
             unsafe { fmi3UpdateDiscreteStates(self.c.get(), update, terminate, nominals, values, defined, &mut next) };
         (status, flags[3] != FALSE, (flags[4] != FALSE).then_some(next))
@@ -294,37 +294,38 @@ impl Calls {
     pub fn step(&self, point: f64, h: f64) -> (Status, Stepped) {
         let (mut flags, mut last) = ([FALSE; 3], f64::NAN);
         let [event, terminate, early] = &mut flags;
-        // SAFETY: the instance is valid; each pointer leads to one value.
+        // SAFETY: the instance is valid; each pointer points to one value.
         let status = unsafe { fmi3DoStep(self.c.get(), point, h, FALSE, event, terminate, early, &mut last) };
         let [event, terminate, early] = flags.map(|flag| flag != FALSE);
         (status, Stepped { event, terminate, early, last })
     }
 
-    /// `fmi3GetFMUState` into a state that is used again, or a new one for [`State::NONE`].
+    /// `fmi3GetFMUState` into an existing state, or a new one for [`State::NONE`].
     pub fn save_into(&self, state: &mut State) -> Status {
-        // SAFETY: the instance is valid; the state is NULL or of this library.
+        // SAFETY: the instance is valid; the state is NULL or belongs to this library.
         unsafe { fmi3GetFMUState(self.c.get(), state.place()) }
     }
 
     /// `fmi3SetFMUState`.
     pub fn restore(&self, state: &State) -> Status {
-        // SAFETY: the instance is valid; the state is NULL or of this library.
+        // SAFETY: the instance is valid; the state is NULL or belongs to this library.
         unsafe { fmi3SetFMUState(self.c.get(), state.pointer()) }
     }
 
-    /// `fmi3FreeFMUState`; leaves [`State::NONE`].
+    /// `fmi3FreeFMUState`. The state becomes [`State::NONE`].
     pub fn free(&self, state: &mut State) -> Status {
-        // SAFETY: the instance is valid; the state is NULL or of this library.
+        // SAFETY: the instance is valid; the state is NULL or belongs to this library.
         unsafe { fmi3FreeFMUState(self.c.get(), state.place()) }
     }
 
-    /// `fmi3SerializeFMUState`: a state in bytes.
+    /// `fmi3SerializeFMUState`: serialises a state.
     ///
     /// # Errors
-    /// The status of a refused call.
+    /// The status, if it is not `fmi3OK`.
     pub fn serialize(&self, state: &State) -> Result<Vec<u8>, Status> {
         let (c, mut size) = (self.c.get(), 0_usize);
-        // SAFETY: the instance is valid; the state is NULL or of this library; the array has the size that is passed.
+        // SAFETY: the instance is valid; the state is NULL or belongs to this library; the array has the size that is
+        // passed.
         unsafe {
             let status = fmi3SerializedFMUStateSize(c, state.pointer(), &mut size);
             if status != Status::Ok {
@@ -336,10 +337,10 @@ impl Calls {
         }
     }
 
-    /// `fmi3DeserializeFMUState`: a new state from bytes.
+    /// `fmi3DeserializeFMUState`: creates a state from bytes.
     ///
     /// # Errors
-    /// The status of a refused call.
+    /// The status, if it is not `fmi3OK`.
     pub fn deserialize(&self, bytes: &[u8]) -> Result<State, Status> {
         let mut state = State::NONE;
         // SAFETY: the instance is valid; the array has the length that is passed.
@@ -347,7 +348,7 @@ impl Calls {
         if status == Status::Ok { Ok(state) } else { Err(status) }
     }
 
-    /// A state in bytes and back: the first status that is not `fmi3OK`.
+    /// Serialises and deserialises a state. Returns the first status that is not `fmi3OK`.
     pub fn renew(&self, state: &mut State) -> Status {
         match self.serialize(state).and_then(|bytes| self.deserialize(&bytes)) {
             Ok(new) => {
@@ -359,27 +360,27 @@ impl Calls {
         }
     }
 
-    /// One of [`SPOILED`] calls that every phase refuses, for NULL, for an array larger than memory or not aligned, for
-    /// what no state is, or as there is nothing to serve.
+    /// One of [`SPOILED`] calls that are rejected in every phase. Reasons: NULL, an array that is misaligned or larger
+    /// than memory, memory that is not a state, or a feature that the FMU does not have.
     pub fn spoiled(&self, index: usize) -> (&'static str, Status) {
         let (mut values, references) = ([0.0_f64; 2], [0; 1]);
         let (c, vr, one) = (self.c.get(), references.as_ptr(), values.as_mut_ptr());
-        let crooked = one.wrapping_byte_add(1);
-        let nowhere: *mut f64 = NonNull::dangling().as_ptr();
+        let misaligned = one.wrapping_byte_add(1);
+        let dangling: *mut f64 = NonNull::dangling().as_ptr();
         let zeros = [0_u64; 16];
         let mut foreign: FmuState = zeros.as_ptr().cast_mut().cast();
         let (n, mut byte, mut count) = (null_mut::<Boolean>(), 0, 0);
-        // SAFETY: what cannot be read is refused before it is: NULL, misaligned pointers, huge counts; what is no state
-        // is readable memory.
+        // SAFETY: NULL, misaligned pointers and huge counts are rejected before they are read. Memory that is not a
+        // state is readable.
         unsafe {
             match index {
                 0 => ("fmi3GetFloat64", fmi3GetFloat64(c, null(), 1, one, 1)),
                 1 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, null_mut(), 1)),
-                2 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, crooked, 1)),
-                3 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, nowhere, usize::MAX)),
+                2 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, misaligned, 1)),
+                3 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, dangling, usize::MAX)),
                 4 => ("fmi3SetFloat64", fmi3SetFloat64(c, null(), 1, one, 1)),
-                5 => ("fmi3SetFloat64", fmi3SetFloat64(c, vr, 1, crooked, 1)),
-                6 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, nowhere, 0)),
+                5 => ("fmi3SetFloat64", fmi3SetFloat64(c, vr, 1, misaligned, 1)),
+                6 => ("fmi3GetFloat64", fmi3GetFloat64(c, vr, 1, dangling, 0)),
                 7 => ("fmi3DoStep", fmi3DoStep(c, 0.0, 1e-3, 0, n, n, n, null_mut())),
                 8 => ("fmi3UpdateDiscreteStates", fmi3UpdateDiscreteStates(c, n, n, n, n, n, null_mut())),
                 9 => ("fmi3GetInt32", fmi3GetInt32(c, vr, 1, &mut 0, 1)),
@@ -403,11 +404,11 @@ impl Calls {
                 24 => {
                     ("fmi3GetDirectionalDerivative", fmi3GetDirectionalDerivative(c, vr, 1, vr, 1, null(), 1, one, 1))
                 }
-                _ => ("fmi3GetAdjointDerivative", fmi3GetAdjointDerivative(c, vr, 1, null(), 1, one, 1, crooked, 1)),
+                _ => ("fmi3GetAdjointDerivative", fmi3GetAdjointDerivative(c, vr, 1, null(), 1, one, 1, misaligned, 1)),
             }
         }
     }
 }
 
-/// Number of the calls of [`Calls::spoiled`].
+/// Number of calls of [`Calls::spoiled`].
 pub const SPOILED: usize = 26;

@@ -1,16 +1,16 @@
-//! The functions of FMI 3.0 that make an instance, for the kinds of models that a library has. A library for fewer
-//! kinds is smaller: nothing else in it refers to the code of a kind.
+//! The functions of FMI 3.0 that create an instance, for the kinds of models in a library. A library with fewer kinds
+//! is smaller, because only these functions refer to the code of the kinds.
 //!
-//! In: the kinds, the host's arguments. Out: an instance. It must not know any kind.
+//! In: the kinds, the host's arguments. Out: an instance. Must not know: any kind.
 use crate::component::KINDS;
 
-/// The functions of FMI 3.0 that make an instance of one of the kinds, with this attribute. The contract of the
-/// pointers is that of the module [`fmi3`](crate::fmi3).
+/// Defines the functions of FMI 3.0 that create an instance of one of the kinds, with this attribute. The contract of
+/// the pointers is that of the module [`fmi3`](crate::fmi3).
 #[macro_export]
 macro_rules! fmi3_instantiation {
     ($kinds:expr $(, $attribute:meta)?) => {
-        /// FMI 3.0.2, 4.2.2: a new instance for co-simulation. `visible` has no meaning, nor has the list of variables
-        /// that the callback reads.
+        /// FMI 3.0.2, 4.2.2: creates an instance for co-simulation. `visible` and the list of variables that the
+        /// callback reads have no effect.
         $(#[$attribute])?
         pub unsafe extern "C" fn fmi3InstantiateCoSimulation(
             name: $crate::fmi3::types::Text,
@@ -27,7 +27,7 @@ macro_rules! fmi3_instantiation {
             update: Option<$crate::fmi3::types::IntermediateUpdateCallback>,
         ) -> $crate::fmi3::types::Instance {
             let kinds: &[$crate::component::ModelKind] = $kinds;
-            // SAFETY: the pointers are the host's own.
+            // SAFETY: the caller is the host, which guarantees the contract of the pointers.
             unsafe {
                 $crate::fmi3::instantiate_co_simulation(
                     kinds, name, token, resources, logging_on, event_mode, early_return, environment, log, update,
@@ -35,7 +35,7 @@ macro_rules! fmi3_instantiation {
             }
         }
 
-        /// FMI 3.0.2, 3.2.1: a new instance for model exchange. `visible` has no meaning.
+        /// FMI 3.0.2, 3.2.1: creates an instance for model exchange. `visible` has no effect.
         $(#[$attribute])?
         pub unsafe extern "C" fn fmi3InstantiateModelExchange(
             name: $crate::fmi3::types::Text,
@@ -47,7 +47,7 @@ macro_rules! fmi3_instantiation {
             log: Option<$crate::fmi3::types::LogMessage>,
         ) -> $crate::fmi3::types::Instance {
             let kinds: &[$crate::component::ModelKind] = $kinds;
-            // SAFETY: the pointers are the host's own.
+            // SAFETY: the caller is the host, which guarantees the contract of the pointers.
             unsafe {
                 $crate::fmi3::instantiate_model_exchange(kinds, name, token, resources, logging_on, environment, log)
             }

@@ -1,5 +1,5 @@
-//! The step of co-simulation (4.2), in parts between which the host's callback for intermediate updates reads values.
-//! The contract of the pointers is that of the module `fmi3`.
+//! The step of co-simulation (4.2). With intermediate updates, the step has parts, and the host's callback reads values
+//! between the parts. The contract of the pointers is that of the module `fmi3`.
 
 use super::types::{Boolean, Environment, FALSE, Instance as Component, IntermediateUpdateCallback, Status, TRUE};
 use crate::fmi::array::output;
@@ -9,25 +9,26 @@ use crate::fmi::phase::{Function, INSTANTIATED, INTERMEDIATE, Phase, STEP};
 use crate::fmi::refusal::{Refusal, Verdict};
 use std::rc::Rc;
 
-/// Most internal steps of one step that are told, so that a step ends.
+/// Largest number of callbacks in one step. The limit ensures that a step ends.
 const MOST_UPDATES: u64 = 100_000;
 
-/// Advance by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached; the end of
-/// the simulation is never asked for.
+/// Advances by exactly `h` [s] from the present communication point `point` [s]. `*last` is the time reached.
+/// `*terminate` is always false.
 ///
-/// With event mode and early return the step ends where a stop is met or lets go, if that comes first: then
-/// `*event_needed` is true, the state is that before the impact, and the next call is `fmi3EnterEventMode`.
+/// With event mode and early return, the step ends at the first event, such as contact with a stop. Then
+/// `*event_needed` is true, the state is that before the impact, and the next call must be `fmi3EnterEventMode`.
 ///
-/// With a callback for intermediate updates the step tells each of its internal steps within it, after which values can
-/// be read and none set, and ends where the callback asks for it, if early return is allowed. Steps that are read from
-/// a longer one have no internal steps. After a failure the state is then that of the last internal step.
+/// With a callback for intermediate updates, the callback is called after each internal step. Then values can be read
+/// but not set. The step ends where the callback requests it, if early return is allowed. A step that only evaluates
+/// the interpolant of a longer step has no internal steps. After a failure, the state is that of the last internal
+/// step.
 ///
-/// Refused, without any change, for an `h` that is not finite and positive, for another point than the instance's own,
-/// and for a step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no meaning here: any state can be
+/// Rejected without any change: an `h` that is not finite and positive, a `point` that is not the instance's time, a
+/// step past the stop time. The flag `noSetFMUStatePriorToCurrentPoint` has no effect, because any state can be
 /// restored.
 ///
-/// `fmi3Discard`: the step met `solver.max_steps` after a part of it. The state is that at `*last`, where values can be
-/// read; to go on, a state saved before is restored or the instance reset.
+/// `fmi3Discard`: the step reached `solver.max_steps` before its end. The state is that at `*last`, and values can be
+/// read. To continue, restore an earlier state or reset the instance.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn fmi3DoStep(
     c: Component,
@@ -43,15 +44,15 @@ pub unsafe extern "C" fn fmi3DoStep(
     let answers = Answers { event_needed, terminate, early_return, last };
     let (mut pauses_left, mut has_paused) = (MOST_UPDATES, false);
     let step = |i: &mut Instance| {
-        // SAFETY: each pointer leads to memory for one value (4.2.2).
+        // SAFETY: each pointer points to memory for one value (4.2.2).
         unsafe {
             answers.check()?;
             let stepped = i.do_step(point, h, &mut pauses_left);
-            // The usual end of a step costs about as little as in FMI 2.0.
+            // Fast path: a step that needs no event handling and has not paused.
             if stepped.is_ok() && i.phase == Phase::Step {
                 answers.write(i.awaits_event, i.clock.time < point + h, i.clock.time);
             } else {
-                has_paused = answers.tell(i, is_done(&stepped), point + h);
+                has_paused = answers.write_end(i, is_done(&stepped), point + h);
             }
             stepped
         }
@@ -60,12 +61,12 @@ pub unsafe extern "C" fn fmi3DoStep(
     let verdict = unsafe { handle::call(c, &FUNCTION, step) };
     if has_paused {
         // SAFETY: as above.
-        return unsafe { go_on(c, point + h, pauses_left, &answers) };
+        return unsafe { continue_step(c, point + h, pauses_left, &answers) };
     }
     verdict.into()
 }
 
-/// Where the host wants to be told how a step has ended.
+/// The host's memory for the results of a step.
 struct Answers {
     event_needed: *mut Boolean,
     terminate: *mut Boolean,
@@ -78,10 +79,10 @@ impl Answers {
     /// A pointer is NULL or misaligned.
     ///
     /// # Safety
-    /// Each pointer that is valid leads to memory for one value.
+    /// Each pointer that is valid points to memory for one value.
     #[inline]
     unsafe fn check(&self) -> Result<(), Refusal> {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             output("eventHandlingNeeded", self.event_needed, 1)?;
             output("terminateSimulation", self.terminate, 1)?;
@@ -92,10 +93,10 @@ impl Answers {
     }
 
     /// # Safety
-    /// As for [`Self::check`], which they have passed.
+    /// As for [`Self::check`]; the pointers have passed this check.
     #[inline]
     unsafe fn write(&self, event_needed: bool, early_return: bool, last: f64) {
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             self.event_needed.write(event_needed.into());
             self.terminate.write(FALSE);
@@ -104,14 +105,15 @@ impl Answers {
         }
     }
 
-    /// Tell how a step has ended that was to reach the time `end` [s]; whether it has paused after an internal step.
+    /// Writes the results of a step towards the time `end` [s]. Returns whether the step has paused after an internal
+    /// step.
     ///
     /// # Safety
     /// As for [`Self::write`].
     #[cold]
-    unsafe fn tell(&self, i: &Instance, is_done: bool, end: f64) -> bool {
+    unsafe fn write_end(&self, i: &Instance, is_done: bool, end: f64) -> bool {
         let has_paused = is_done && i.phase == Phase::Intermediate;
-        // SAFETY: the caller's promise.
+        // SAFETY: guaranteed by the caller.
         unsafe {
             self.write(is_done && i.awaits_event, is_done && !has_paused && i.clock.time < end, i.clock.time);
         }
@@ -119,17 +121,17 @@ impl Answers {
     }
 }
 
-/// Whether a step was made, if with a warning.
+/// Whether a step was made, with or without a warning.
 fn is_done(stepped: &Result<(), Refusal>) -> bool {
     stepped.as_ref().map_or_else(|refusal| refusal.verdict == Verdict::Warning, |()| true)
 }
 
-/// The parts of a step after the first one, each after a call of the host's callback, until `goal` [s].
+/// The parts of a step after the first part, up to the time `goal` [s]. The host's callback is called before each part.
 ///
 /// # Safety
-/// As for [`fmi3DoStep`]; the answers are checked.
+/// As for [`fmi3DoStep`]. The pointers in `answers` are checked.
 #[cold]
-unsafe fn go_on(c: Component, goal: f64, mut pauses_left: u64, answers: &Answers) -> Status {
+unsafe fn continue_step(c: Component, goal: f64, mut pauses_left: u64, answers: &Answers) -> Status {
     const FUNCTION: Function = Function::new("fmi3DoStep", INTERMEDIATE);
     let (mut end, mut warned) = (goal, false);
     loop {
@@ -141,20 +143,20 @@ unsafe fn go_on(c: Component, goal: f64, mut pauses_left: u64, answers: &Answers
         // SAFETY: the instance is valid.
         let verdict = unsafe { handle::call(c, &FUNCTION, begin) };
         let Some((from, update)) = pause else { return verdict.into() };
-        // SAFETY: the instance is valid, and no call is at work on it.
-        let asked = unsafe { handle::call_back(c, || update(from)) };
+        // SAFETY: the instance is valid, and no call uses it.
+        let requested = unsafe { handle::call_back(c, || update(from)) };
         let mut has_paused = false;
         let part = |i: &mut Instance| {
             i.phase = Phase::Step;
-            end = asked.map_or(end, |stop| end.min(stop.max(from)));
-            // Nothing is left where the callback has ended the step.
+            end = requested.map_or(end, |stop| end.min(stop.max(from)));
+            // No part remains if the callback ended the step.
             let stepped = if end > from { i.do_step(from, end - from, &mut pauses_left) } else { Ok(()) };
             let is_done = is_done(&stepped);
             if is_done && i.phase == Phase::Step && !i.awaits_event {
                 i.clock.time = end;
             }
-            // SAFETY: the answers are checked.
-            has_paused = unsafe { answers.tell(i, is_done, goal) };
+            // SAFETY: the pointers in `answers` are checked.
+            has_paused = unsafe { answers.write_end(i, is_done, goal) };
             stepped
         };
         // SAFETY: the instance is valid.
@@ -166,31 +168,31 @@ unsafe fn go_on(c: Component, goal: f64, mut pauses_left: u64, answers: &Answers
     }
 }
 
-/// The host's callback after internal steps. It may ask for the end of the step if `early_return` is allowed.
+/// The host's callback after internal steps. The callback may end the step if `early_return` is allowed.
 pub(super) fn intermediate_update(
     callback: IntermediateUpdateCallback,
     environment: Environment,
     early_return: bool,
 ) -> Rc<IntermediateUpdate> {
     Rc::new(move |time| {
-        let (mut is_asked, mut stop) = (FALSE, time);
-        // SAFETY: FMI 3.0.2, 4.2.2: the callback may be called within fmi3DoStep, with its own environment. Both
-        // pointers lead to memory for one value.
+        let (mut is_requested, mut stop) = (FALSE, time);
+        // SAFETY: FMI 3.0.2, 4.2.2: the callback may be called in fmi3DoStep, with the host's environment. Both
+        // pointers point to memory for one value.
         unsafe {
-            callback(environment, time, FALSE, TRUE, TRUE, early_return.into(), &mut is_asked, &mut stop);
+            callback(environment, time, FALSE, TRUE, TRUE, early_return.into(), &mut is_requested, &mut stop);
         }
-        // A time that is no number is now.
-        (early_return && is_asked != FALSE).then_some(if stop.is_nan() { time } else { stop })
+        // NaN means the present time.
+        (early_return && is_requested != FALSE).then_some(if stop.is_nan() { time } else { stop })
     })
 }
 
-/// Let a new instance call the host back after internal steps.
+/// Sets the callback of a new instance after internal steps.
 ///
 /// # Safety
 /// As for `handle::call`.
 pub(super) unsafe fn set_update(c: Component, update: Rc<IntermediateUpdate>) {
     const FUNCTION: Function = Function::new("fmi3InstantiateCoSimulation", INSTANTIATED);
-    // SAFETY: the caller's promise.
+    // SAFETY: guaranteed by the caller.
     unsafe {
         handle::call(c, &FUNCTION, |i| {
             i.update = Some(update);

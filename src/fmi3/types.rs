@@ -1,14 +1,14 @@
 //! The C types of FMI 3.0.2 (`fmi3PlatformTypes.h`, `fmi3FunctionTypes.h`).
 //!
-//! In: nothing. Out: the layout that both sides of the boundary share. A Boolean of the host's arrives as a byte and is
-//! taken for true unless it is 0: another number in a Rust `bool` would be undefined behaviour.
+//! In: nothing. Out: the memory layout that host and FMU share. A Boolean from the host is a byte, and every byte
+//! except 0 is true, because another number in a Rust `bool` would be undefined behaviour.
 
 use crate::fmi::refusal::Verdict;
 use std::ffi::{c_char, c_int, c_uint, c_void};
 
 /// `fmi3Instance`: an instance, opaque to the host.
 pub type Instance = *mut c_void;
-/// `fmi3InstanceEnvironment`: a pointer of the host's, handed back to it with every message.
+/// `fmi3InstanceEnvironment`: a pointer of the host, which is passed back to the host with every message.
 pub type Environment = *mut c_void;
 /// `fmi3FMUState`: a saved state, opaque to the host.
 pub type FmuState = *mut c_void;
@@ -16,7 +16,7 @@ pub type FmuState = *mut c_void;
 pub type ValueReference = c_uint;
 /// `fmi3Boolean`: a C `bool`.
 pub type Boolean = u8;
-/// `fmi3String`: text that ends with a zero byte, UTF-8.
+/// `fmi3String`: zero-terminated text, UTF-8.
 pub type Text = *const c_char;
 /// `fmi3Binary`.
 pub type Binary = *const u8;
@@ -25,7 +25,7 @@ pub type Clock = u8;
 /// `fmi3IntervalQualifier` and `fmi3DependencyKind`, as plain integers.
 pub type Enumeration = c_int;
 
-/// `fmi3Dependent`: the kind of a dependency of which nothing more is told.
+/// `fmi3Dependent`: the kind of a dependency without further properties.
 pub const DEPENDENT: Enumeration = 5;
 
 /// `fmi3False`.
@@ -33,19 +33,19 @@ pub const FALSE: Boolean = 0;
 /// `fmi3True`.
 pub const TRUE: Boolean = 1;
 
-/// `fmi3Status`: the answer to a call.
+/// `fmi3Status`: status of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(C)]
 pub enum Status {
-    /// All well.
+    /// The call succeeded.
     Ok,
-    /// Done, with something to be said about it.
+    /// The call succeeded. A message states something unusual.
     Warning,
-    /// Not available; the instance can go on.
+    /// The result does not exist, or the step ended early. The instance can continue.
     Discard,
-    /// Refused or failed; a message says why.
+    /// The call is wrong or failed. A message states the reason.
     Error,
-    /// This instance is beyond repair.
+    /// The instance cannot be used any more.
     Fatal,
 }
 
@@ -62,13 +62,13 @@ impl From<Verdict> for Status {
     }
 }
 
-/// `fmi3LogMessageCallback`. It returns, as `fmi2CallbackLogger` does: see there for exceptions and `longjmp`.
+/// `fmi3LogMessageCallback`. For exceptions and `longjmp`, see `fmi2CallbackLogger`.
 pub type LogMessage =
     unsafe extern "C-unwind" fn(environment: Environment, status: Status, category: Text, message: Text);
 
-/// `fmi3IntermediateUpdateCallback`. It returns: an exception that leaves it ends the process, with Rust's message of a
-/// panic in a function that cannot unwind. After a `longjmp` out of it the instance can only be read: each other call
-/// on the instance returns an error, and its memory stays allocated.
+/// `fmi3IntermediateUpdateCallback`. The callback must return. An exception that leaves the callback ends the process,
+/// with Rust's message about a panic in a function that cannot unwind. After a `longjmp` out of the callback, the
+/// instance can only be read. Each other call returns an error, and the memory of the instance stays allocated.
 pub type IntermediateUpdateCallback = unsafe extern "C-unwind" fn(
     environment: Environment,
     time: f64,

@@ -1,10 +1,10 @@
-//! Who has made a model and under which terms it may be used, as a definition states it and a host shows it.
+//! Author, copyright and licence of a model, as stated in the definition and shown by a host.
 use super::{DefinitionError, line};
 
-/// Licence of the library in every FMU; that of a model whose definition states none.
+/// Default of `license`: the licence of the library in every FMU.
 const LICENSE: &str =
     "Library: MIT OR Apache-2.0, see documentation/licenses; model: as stated by the author of the model";
-/// Copyright of the library in every FMU; that of a model whose definition states none.
+/// Default of `copyright`: the copyright of the library in every FMU.
 const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: the author of the model";
 
 super::keys! {
@@ -22,10 +22,10 @@ super::keys! {
 }
 
 impl About {
-    /// Check that each is one line of text.
+    /// Checks that each text is one line.
     ///
     /// # Errors
-    /// A text holds a control character.
+    /// A text contains a control character.
     pub fn check(&self) -> Result<(), DefinitionError> {
         for (key, text) in [("author", &self.author), ("copyright", &self.copyright), ("license", &self.license)] {
             if text.chars().any(char::is_control) {
@@ -35,7 +35,7 @@ impl About {
         Ok(())
     }
 
-    /// Each attribute of the description of an FMU with its text; none for an author who is not stated.
+    /// Each attribute of the description of an FMU with its text. The author is omitted if it is not stated.
     pub fn attributes(&self) -> Vec<(&'static str, String)> {
         let or = |text: &str, default: &str| if text.is_empty() { default.to_owned() } else { text.to_owned() };
         let author = (!self.author.is_empty()).then(|| ("author", self.author.clone()));
@@ -43,7 +43,7 @@ impl About {
         author.into_iter().chain(rest).collect()
     }
 
-    /// Whether nothing is stated.
+    /// Whether no text is stated.
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }

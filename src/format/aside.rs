@@ -1,6 +1,7 @@
-//! What stands next to the keys of a definition.
+//! Values next to the keys of a definition.
 //!
-//! In: a value. Out: the same, which no file states and no canonical text holds. It must not know what the value means.
+//! In: a value. Out: the value, which no file states and no canonical text contains. Must not know: what the value
+//! means.
 use super::json::Node;
 use super::keys::{Field, Key, Kind, Own, Slot};
 use std::ops::{Deref, DerefMut};
@@ -10,7 +11,7 @@ use std::ops::{Deref, DerefMut};
 pub struct Aside<T>(pub T);
 
 impl<T> Aside<T> {
-    /// Its row: of no file, and of no canonical text.
+    /// Row for such a value, which is neither in a file nor in a canonical text.
     pub const KEY: Key = Key { is_written_only: true, ..Key::PLAIN }.brief();
 }
 

@@ -1,13 +1,13 @@
-//! How a definition's keys and words are declared.
+//! Macros that declare the keys and words of a definition.
 //!
-//! In: a struct with a row for each key, an enum with a word for each choice. Out: the types with their tables. It must
-//! not know what a key means.
+//! In: a struct with a row for each key, an enum with a word for each choice. Out: the types with their tables. Must
+//! not know: what a key means.
 
-/// Structs of a definition: each with its keys, and each key with its words, its type, its value where it is absent,
-/// and its row.
+/// Declares structs of a definition. Each key has its description, type, default and row.
 ///
-/// `field as "name": Type = default => row;` where the name in the file, the default and the row may be left out.
-/// `pub struct Name: Copy` also makes the struct `Copy`; `pub struct Name or (Short)` says what may stand in its place.
+/// `field as "name": Type = default => row;` where the name in the file, the default and the row are optional. `pub
+/// struct Name: Copy` makes the struct `Copy`. `pub struct Name or (Short)` states which short form may replace the
+/// object.
 #[macro_export]
 macro_rules! keys {
     ($($(#[doc = $about:literal])* pub struct $name:ident $(: $copy:ident)? $(or ($short:expr))? {
@@ -77,7 +77,7 @@ macro_rules! keys {
     (@short $short:expr) => { $short };
 }
 
-/// Words of a definition: an enum, each of whose variants has its word; the first one is the default.
+/// Declares an enum of a definition. Each variant has a word, and the first variant is the default.
 #[macro_export]
 macro_rules! words {
     ($($(#[doc = $about:literal])* pub enum $name:ident {
@@ -96,7 +96,7 @@ macro_rules! words {
         impl $name {
             /// All choices.
             pub const ALL: [Self; Self::WORDS.len()] = [Self::$first $(, Self::$variant)*];
-            /// Their words, in the same order.
+            /// Words of all choices, in the same order.
             pub const WORDS: [&'static str; [$first_word $(, $word)*].len()] = [$first_word $(, $word)*];
 
             /// Word of the choice in the file.

@@ -1,4 +1,4 @@
-//! The default experiment that a definition states, and that hosts offer to their users.
+//! The default experiment of a definition, which hosts propose to their users.
 use super::{DefinitionError, Range, number};
 use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
@@ -15,7 +15,7 @@ super::keys! {
 }
 
 impl Experiment {
-    /// Key, message and remedy of a step that is longer than the whole run; none if it is not.
+    /// Key, message and remedy if the step is longer than the whole run.
     pub fn coarse(&self) -> Option<(&'static str, String, &'static str)> {
         let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
         let message = format!("is {step} s, but stop_time is {stop} s, so the whole run is one step of {stop} s");
@@ -23,7 +23,7 @@ impl Experiment {
         (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
     }
 
-    /// Check both times.
+    /// Checks both times.
     ///
     /// # Errors
     /// A time is not > 0.

@@ -1,30 +1,30 @@
-//! Expressions in the place of numbers: arithmetic of names, numbers and functions.
+//! Expressions instead of numbers: arithmetic with names, numbers and functions.
 //!
-//! In: the text of an expression, then values of its names. Out: its value. Operators have the usual precedence, read
-//! by precedence climbing: -x^2 is -(x^2), of equal operators the left one comes first. It must not know what the names
-//! mean.
+//! In: the text of an expression, then values of its names. Out: its value. Method: precedence climbing with the usual
+//! precedence. -x^2 is -(x^2), and equal operators are applied from left to right. Must not know: what the names mean.
 use std::f64::consts::{E, PI};
 
-/// Most bytes of an expression.
+/// Largest length of an expression [bytes].
 pub const LONGEST_EXPRESSION: usize = 1000;
-/// Most parentheses that are open at one place of an expression.
+/// Largest depth of nested parentheses.
 const DEEPEST: usize = 30;
 /// Constants by name.
 const CONSTANTS: [(&str, f64); 2] = [("pi", PI), ("e", E)];
-/// Strength of a power, the operator that binds most; a sign binds less than a power and more than a product.
+/// Precedence of the power, the highest of all operators. A sign has a lower precedence than a power and a higher
+/// precedence than a product.
 const POWER: u8 = 2;
 
-/// An expression, read.
+/// A parsed expression.
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
-    /// Names that the expression reads, each once.
+    /// Names in the expression, each once.
     names: Vec<String>,
-    /// What gives the value: each step stands behind those whose values it takes.
+    /// Steps in postfix order: the operands of a step precede the step.
     steps: Vec<Step>,
 }
 
-/// A step of the evaluation, which puts one value in the place of those that it takes.
+/// A step of the evaluation, which replaces its operands by one value.
 #[derive(Clone, Copy, Debug)]
 enum Step {
     Number(f64),
@@ -34,7 +34,7 @@ enum Step {
     Binary(fn(f64, f64) -> f64),
 }
 
-/// A function of one argument with its name, and one of two.
+/// Name and function of one argument, or of two.
 type Unary = (&'static str, fn(f64) -> f64);
 type Binary = (&'static str, fn(f64, f64) -> f64);
 
@@ -56,7 +56,7 @@ const UNARY: [Unary; 15] = [
     ("deg", f64::to_degrees),
     ("rad", f64::to_radians),
 ];
-/// Functions of two arguments. Of the smaller and the larger of two numbers neither hides one that is none.
+/// Functions of two arguments. `min` and `max` return NaN if one argument is NaN.
 const BINARY: [Binary; 4] = [
     ("atan2", f64::atan2),
     ("hypot", f64::hypot),
@@ -64,10 +64,10 @@ const BINARY: [Binary; 4] = [
     ("max", |a, b| if a.is_nan() || a > b { a } else { b }),
 ];
 
-/// Strength and law of an operator between two values.
+/// Precedence and function of a binary operator.
 type Operator = (u8, fn(f64, f64) -> f64);
 
-/// The operator that a token is.
+/// The operator of a token.
 fn operator(token: Option<Token>) -> Option<Operator> {
     match token {
         Some(Token::Symbol('+')) => Some((0, |a, b| a + b)),
@@ -79,7 +79,7 @@ fn operator(token: Option<Token>) -> Option<Operator> {
     }
 }
 
-/// A power; small whole ones by multiplication, as they would be written out.
+/// A power. Squares and cubes are computed by multiplication, so that they are identical to the product.
 fn power(base: f64, exponent: f64) -> f64 {
     match exponent {
         2.0 => base * base,
@@ -88,7 +88,7 @@ fn power(base: f64, exponent: f64) -> f64 {
     }
 }
 
-/// What stands in an expression.
+/// A token of an expression.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Token<'t> {
     Number(f64),
@@ -96,12 +96,12 @@ enum Token<'t> {
     Symbol(char),
 }
 
-/// Whether a name means a constant or a function in every expression.
+/// Whether a name is a constant or a function in every expression.
 pub fn is_reserved(name: &str) -> bool {
     CONSTANTS.iter().any(|(constant, _)| *constant == name) || function(name).is_some()
 }
 
-/// The function of this name, and how many values it takes.
+/// The function with this name, and the number of its arguments.
 fn function(name: &str) -> Option<(Step, usize)> {
     let unary = UNARY.iter().find(|(function, _)| *function == name).map(|(_, apply)| (Step::Unary(*apply), 1));
     unary.or_else(|| BINARY.iter().find(|(function, _)| *function == name).map(|(_, apply)| (Step::Binary(*apply), 2)))
@@ -114,10 +114,10 @@ fn functions() -> String {
 }
 
 impl Expression {
-    /// Read an expression.
+    /// Parses an expression.
     ///
     /// # Errors
-    /// What is wrong with the text, and the remedy.
+    /// The fault of the text, and the remedy.
     pub fn new(text: &str) -> Result<Self, String> {
         if text.len() > LONGEST_EXPRESSION {
             return Err(format!(
@@ -137,22 +137,23 @@ impl Expression {
         Ok(Self { text: text.to_owned(), names: reader.names, steps: reader.steps })
     }
 
-    /// The text as it was written.
+    /// The original text.
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Names that the expression reads, each once.
+    /// Names in the expression, each once.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Whether this name, constant or function stands in the expression.
+    /// Whether the expression contains this name, constant or function.
     pub fn reads(&self, word: &str) -> bool {
         tokens(&self.text).is_ok_and(|tokens| tokens.contains(&Token::Name(word)))
     }
 
-    /// Value of the expression with `value` of each name, by its index; NaN or infinite where it has none.
+    /// Value of the expression. `value` returns the value of a name by its index. The result is NaN or infinite where
+    /// the expression is undefined.
     pub fn evaluate(&self, value: impl Fn(usize) -> f64) -> f64 {
         let mut values = Vec::with_capacity(self.steps.len());
         for step in &self.steps {
@@ -168,7 +169,7 @@ impl Expression {
     }
 }
 
-/// A number and what follows it, if that looks like a unit: `160 kg`.
+/// Splits a number from a text that looks like a unit: `160 kg`.
 pub fn number_with_unit(text: &str) -> Option<(&str, &str)> {
     let text = text.trim();
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
@@ -177,15 +178,15 @@ pub fn number_with_unit(text: &str) -> Option<(&str, &str)> {
     let is_part = |c: char| c.is_alphanumeric() || "./^\u{b0}\u{b2}\u{b3}\u{b7}".contains(c);
     let unit = unit.trim_start();
     let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || c == '\u{b0}') && unit.chars().all(is_part);
-    // Names of units are short; a name of the file may be of any length.
+    // Names of units are short. A name in the file may have any length.
     let is_short = unit.split(|c: char| !c.is_alphabetic()).all(|word| word.len() <= 4 || word.starts_with("deg"));
     (is_unit && is_short && CONSTANTS.iter().all(|(name, _)| *name != unit)).then(|| (number.trim_end(), unit))
 }
 
-/// Reads the pieces of an expression from left to right, and writes its steps.
+/// Reads the tokens of an expression from left to right and writes its steps.
 struct Reader<'t> {
     tokens: Vec<Token<'t>>,
-    /// Index of the next piece.
+    /// Index of the next token.
     at: usize,
     /// Number of open parentheses.
     open: usize,
@@ -202,7 +203,7 @@ impl<'t> Reader<'t> {
         self.peek() == Some(Token::Symbol(symbol))
     }
 
-    /// A value and the operators behind it that bind at least with this strength, each with the value that it acts on.
+    /// Reads a value and the following operators of at least the precedence `least`, with their second operands.
     fn terms(&mut self, least: u8) -> Result<(), String> {
         self.value(least)?;
         while let Some((strength, apply)) = operator(self.peek()).filter(|(strength, _)| *strength >= least) {
@@ -216,7 +217,7 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// A value behind an operator for which at least this strength binds.
+    /// Reads a value after an operator. `least` is the lowest precedence of operators that belong to the value.
     fn value(&mut self, least: u8) -> Result<(), String> {
         let Some(token) = self.peek() else {
             return Err(if self.open > 0 {
@@ -250,7 +251,7 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// A constant, a function with its values, or a name whose value comes later.
+    /// Reads a constant, a function call, or a name.
     fn named(&mut self, name: &str) -> Result<(), String> {
         let is_called = self.is_next('(');
         if let Some((function, count)) = function(name) {
@@ -274,7 +275,7 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// As many values as `of` takes, behind its parenthesis, with the one that closes it.
+    /// Reads the `count` arguments of `of` and the closing parenthesis.
     fn list(&mut self, of: &str, count: usize) -> Result<(), String> {
         self.open += 1;
         if self.open > DEEPEST {
@@ -300,7 +301,7 @@ impl<'t> Reader<'t> {
         Ok(())
     }
 
-    /// What is wrong with the next piece, which can stand behind no value.
+    /// Message about the next token, which cannot follow a value.
     fn misplaced(&self) -> String {
         match self.peek() {
             None => "`)` is missing".to_owned(),
@@ -313,7 +314,7 @@ impl<'t> Reader<'t> {
     }
 }
 
-/// The text in pieces.
+/// The tokens of the text.
 fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
     let bytes = text.as_bytes();
     let (mut tokens, mut at) = (Vec::new(), 0);

@@ -1,4 +1,4 @@
-//! What is wrong with a definition: each fault with its key, its place, and what to do.
+//! Faults of a definition, each with its key, its place and the remedy.
 use super::Range;
 use super::keys::Table;
 use crate::numerics::decimal::Decimal;
@@ -6,33 +6,33 @@ use crate::variables::{Unit, edits, nearest};
 use std::fmt::{self, Display};
 use std::ops;
 
-/// What is wrong at a key.
+/// Fault at a key.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// The text is no JSON.
+    /// The text is not valid JSON.
     Syntax(String),
-    /// No key of this name is known here.
+    /// The object has no key of this name.
     UnknownKey(String, &'static Table),
-    /// A key that must be given is not.
+    /// A required key is missing.
     Missing(&'static str),
-    /// A name stands twice in one object.
+    /// A name occurs twice in one object.
     Twice(String),
-    /// A value of another type: what is asked for, what is there, and the remedy.
+    /// A value of the wrong type.
     Type {
-        /// What is asked for.
+        /// The expected type.
         expected: String,
-        /// What is there.
+        /// The value found.
         found: String,
-        /// What to do; empty where that is plain.
+        /// The remedy, if it is not obvious; otherwise empty.
         remedy: &'static str,
     },
-    /// None of the words that may stand here.
+    /// The word is none of the allowed words.
     Word(String, &'static [&'static str]),
-    /// A number out of its range.
+    /// A number out of range.
     Range(f64, Unit, Range),
-    /// A text or number that does not fit, and what is allowed.
+    /// A text or number that is not allowed, and the allowed values.
     Value(String, String),
-    /// Anything else, in words.
+    /// Any other fault, as text.
     Other(String),
 }
 
@@ -41,7 +41,7 @@ pub enum Fault {
 pub struct Place {
     /// Range of bytes.
     pub bytes: ops::Range<usize>,
-    /// Line and column of its beginning, from 1; columns count characters.
+    /// Line and column of the start, from 1. Columns count characters.
     pub position: [usize; 2],
 }
 
@@ -55,7 +55,7 @@ impl Place {
     }
 }
 
-/// A refused definition; the text names the key, the value and what is allowed.
+/// Error of a definition. The text states the key, the value and the allowed values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DefinitionError {
     path: String,
@@ -70,24 +70,24 @@ impl DefinitionError {
         Self { path: path.into(), fault: Box::new(fault), place: None }
     }
 
-    /// A key that excludes another, or any other fault in words.
+    /// A key that excludes another key, or any other fault as text.
     pub fn key(key: impl Display, message: impl Display) -> Self {
         Self::other(&key, &message)
     }
 
-    // One copy of the code for all types of texts, here and below.
+    // The code exists once for all types of texts, here and below.
     #[cold]
     #[inline(never)]
     fn other(key: &dyn Display, message: &dyn Display) -> Self {
         Self::new(key.to_string(), Fault::Other(message.to_string()))
     }
 
-    /// A number or text out of its range.
+    /// A number or text that is out of range.
     pub fn value(key: impl Display, value: impl Display, allowed: impl Display) -> Self {
         Self::refused(&key, &value, &format_args!("must be {allowed}"))
     }
 
-    /// A name that no element has.
+    /// A name of no element.
     pub fn unknown(key: impl Display, name: &str, allowed: impl Display) -> Self {
         Self::refused(&key, &format_args!("\"{name}\""), &format_args!("no element has this name; {allowed}"))
     }
@@ -98,28 +98,28 @@ impl DefinitionError {
         Self::new(key.to_string(), Fault::Value(value.to_string(), allowed.to_string()))
     }
 
-    /// The fault with its place.
+    /// Adds the place to the fault.
     pub fn at(mut self, place: Place) -> Self {
         self.place = Some(Box::new(place));
         self
     }
 
-    /// Path of the key at fault, such as `bodies.crank.length`.
+    /// Path of the faulty key, such as `bodies.crank.length`.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// What is wrong.
+    /// The fault.
     pub fn fault(&self) -> &Fault {
         &self.fault
     }
 
-    /// Where, if the fault was found while the text was read.
+    /// The place, if the fault was found when the text was read.
     pub fn place(&self) -> Option<&Place> {
         self.place.as_deref()
     }
 
-    /// Path, fault and remedy on one line, without the place. Of a path into brackets without end the beginning.
+    /// Path, fault and remedy on one line, without the place. Of a very deep path, only the start is shown.
     pub fn message(&self) -> String {
         const DEEPEST: usize = 20;
         let colon = if matches!(*self.fault, Fault::Range(..) | Fault::Value(..)) { "" } else { ":" };
@@ -131,7 +131,7 @@ impl DefinitionError {
 }
 
 impl Display for DefinitionError {
-    /// A key in the file may hold any character.
+    /// Writes the message with its place. A key in the file may contain any character.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message())?;
         match &self.place {
@@ -169,7 +169,7 @@ impl Display for Fault {
             Self::Range(value, unit, range) => {
                 let name = unit.name();
                 let allowed = match (range, unit) {
-                    // A file may state lengths and angles in another unit.
+                    // The file may state lengths and angles in another unit.
                     (Range::Coordinate, Unit::Metre | Unit::Radian) => {
                         format!("a number from -1e100 {name} to 1e100 {name}")
                     }
@@ -182,7 +182,7 @@ impl Display for Fault {
     }
 }
 
-/// Most words that are all listed.
+/// Largest number of words that are listed completely.
 const MANY: usize = 8;
 
 /// These words in backticks.
@@ -197,7 +197,7 @@ fn listed<'w>(words: impl Iterator<Item = &'w str>, and: &str) -> String {
     }
 }
 
-/// Words of other programs and of everyday speech, with those of a definition.
+/// Words of other programs and of everyday language, with the corresponding words of a definition.
 const SYNONYMS: [(&str, &str); 9] = [
     ("weight", "mass"),
     ("moment_of_inertia", "inertia"),
@@ -210,7 +210,7 @@ const SYNONYMS: [(&str, &str); 9] = [
     ("initial", "start"),
 ];
 
-/// Of the words that may stand here the one that was probably meant.
+/// The allowed word that the user probably meant.
 fn meant<'w>(words: impl Iterator<Item = &'w str> + Clone, word: &str) -> Option<&'w str> {
     let synonym = SYNONYMS.iter().find(|(other, _)| *other == word);
     if let Some(own) = synonym.and_then(|(_, own)| words.clone().find(|word| word == own)) {
@@ -226,12 +226,12 @@ fn meant<'w>(words: impl Iterator<Item = &'w str> + Clone, word: &str) -> Option
 pub struct Faults(Vec<DefinitionError>);
 
 impl Faults {
-    /// One more fault.
+    /// Adds a fault.
     pub fn push(&mut self, fault: DefinitionError) {
         self.0.push(fault);
     }
 
-    /// The value that was checked; None if it is at fault, which is kept.
+    /// The checked value, or None if there is a fault, which is added.
     pub fn keep<T>(&mut self, checked: Result<T, DefinitionError>) -> Option<T> {
         checked.map_err(|fault| self.add(fault)).ok()
     }
@@ -242,7 +242,7 @@ impl Faults {
         self.0.push(fault);
     }
 
-    /// These faults, and those of another reading of the same text that are not among them.
+    /// Adds the faults of another reading of the same text, except for equal faults.
     pub fn join(&mut self, others: Self) {
         others.0.into_iter().for_each(|fault| {
             if !self.0.contains(&fault) {
@@ -251,12 +251,12 @@ impl Faults {
         });
     }
 
-    /// Leave out faults that are none here.
+    /// Removes the faults for which `is_none` is true.
     pub fn forgive(&mut self, is_none: impl Fn(&DefinitionError) -> bool) {
         self.0.retain(|fault| !is_none(fault));
     }
 
-    /// Give other paths to the faults that were not found while the text was read.
+    /// Changes the paths of faults that were not found when the text was read.
     pub fn rename(&mut self, path: impl Fn(&str) -> String) {
         self.0.iter_mut().filter(|fault| fault.place.is_none()).for_each(|fault| fault.path = path(&fault.path));
     }
@@ -266,17 +266,17 @@ impl Faults {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Whether there is no fault.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Whether all that was read has its value: what is at fault are keys that nobody reads.
+    /// Whether all faults are unknown keys, so that every known key has its value.
     pub fn are_of_unknown_keys(&self) -> bool {
         self.0.iter().all(|fault| matches!(fault.fault(), Fault::UnknownKey(..)))
     }
 
-    /// Nothing, or the first fault.
+    /// Ok, or the first fault.
     ///
     /// # Errors
     /// The first fault.
@@ -294,7 +294,7 @@ impl IntoIterator for Faults {
     }
 }
 
-/// A message on one line: control characters are made visible.
+/// A message on one line, with escaped control characters.
 pub(crate) fn on_one_line(message: &str) -> String {
     let mut line = String::with_capacity(message.len());
     for c in message.chars() {

@@ -1,11 +1,11 @@
-//! JSON as a tree in which each part knows its place.
+//! JSON as a tree whose nodes have their places in the text.
 //!
-//! In: a text. Out: its values in the order of the text, each with its range of bytes, or the first place at which the
-//! text is no JSON. It must not know what keys mean.
+//! In: a text. Out: its values in the order of the text, each with its range of bytes, or the place of the first fault
+//! of JSON. Must not know: what keys mean.
 use super::fault::{DefinitionError, Fault, Place};
 use std::ops::Range;
 
-/// Most brackets inside one another.
+/// Largest depth of nested brackets.
 const DEEPEST: usize = 128;
 
 /// A value with its place.
@@ -24,13 +24,13 @@ pub enum Json {
     Null,
     /// true or false.
     Flag(bool),
-    /// A number; infinite where the text has one that no double holds.
+    /// A number. Infinite if the number in the text is too large for a double.
     Number(f64),
     /// A text.
     Text(String),
     /// A list.
     List(Vec<Node>),
-    /// An object: its members in order, also those of one name.
+    /// An object: its members in the order of the text, including members with equal names.
     Object(Vec<Member>),
 }
 
@@ -46,7 +46,7 @@ pub struct Member {
 }
 
 impl Node {
-    /// The member of an object with this key; of several the last.
+    /// The member of an object with this key. Of several members, the last one.
     pub fn member(&self, key: &str) -> Option<&Member> {
         match &self.json {
             Json::Object(members) => members.iter().rev().find(|member| member.key == key),
@@ -54,16 +54,16 @@ impl Node {
         }
     }
 
-    /// The text, if it is one.
+    /// The text, if the value is a text.
     pub fn text(&self) -> Option<&str> {
         if let Json::Text(text) = &self.json { Some(text) } else { None }
     }
 }
 
-/// Read a text; a byte order mark before it is skipped. `kind`: word of the message where the fault is in no key.
+/// Parses a text. A byte order mark at the start is skipped. `kind`: word for the message if the fault is not in a key.
 ///
 /// # Errors
-/// The text is no JSON: the path of the key in which it stops to be, the place, and the remedy.
+/// The text is not valid JSON: path of the key with the fault, place and remedy.
 pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
     let start = if text.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
     let mut parser = Parser { text, at: start, depth: 0 };
@@ -78,22 +78,22 @@ pub fn parse(kind: &str, text: &str) -> Result<Node, DefinitionError> {
     read.map_err(|Stop { at, message, path }| {
         let end = at + text.get(at..).and_then(|rest| rest.chars().next()).map_or(0, char::len_utf8);
         let path = path.strip_prefix('.').map_or(path.clone(), str::to_owned);
-        // A text that ends too early does so in no key.
+        // The end of a text that is too short belongs to no key.
         let path = if path.is_empty() || at == text.len() { format!("not a valid {kind}") } else { path };
         DefinitionError::new(path, Fault::Syntax(message)).at(Place::new(text, at..end))
     })
 }
 
-/// Why and where a text is no JSON.
+/// Reason and place of a fault of JSON.
 struct Stop {
     at: usize,
     message: String,
-    /// Path of the value, each part with its dot or brackets.
+    /// Path of the value. Each part has its dot or brackets.
     path: String,
 }
 
 impl Stop {
-    /// The fault as that of a part of a list or an object.
+    /// Adds a part of a list or an object to the path of the fault.
     fn inside(mut self, part: std::fmt::Arguments) -> Self {
         self.path = format!("{part}{}", self.path);
         self
@@ -117,8 +117,8 @@ impl Parser<'_> {
         }
     }
 
-    /// Skip this character and blanks behind it; whether it is there.
-    fn takes(&mut self, character: u8) -> bool {
+    /// Skips this character and the following blanks. Returns whether the character was found.
+    fn accept(&mut self, character: u8) -> bool {
         let is_there = self.peek() == Some(character);
         if is_there {
             self.at += 1;
@@ -127,7 +127,7 @@ impl Parser<'_> {
         is_there
     }
 
-    /// A fault at the present place, in words that fit what stands there.
+    /// The fault at the present place. The message depends on the text at this place.
     #[cold]
     fn fault(&self, message: &str) -> Stop {
         let (at, bytes) = (self.at, self.text.as_bytes());
@@ -154,7 +154,7 @@ impl Parser<'_> {
         Stop { at, message: message.to_owned(), path: String::new() }
     }
 
-    /// A value and the blanks behind it.
+    /// Reads a value and the following blanks.
     fn value(&mut self) -> Result<Node, Stop> {
         let start = self.at;
         let json = match self.peek() {
@@ -187,7 +187,7 @@ impl Parser<'_> {
         Ok(json)
     }
 
-    /// An object from behind its opening bracket to its closing one.
+    /// Reads an object from the place after its opening bracket.
     fn object(&mut self) -> Result<Json, Stop> {
         let mut members = Vec::new();
         while self.peek() != Some(b'}') || !members.is_empty() {
@@ -198,7 +198,7 @@ impl Parser<'_> {
             let key = self.text()?;
             let span = start..self.at;
             self.skip_blanks();
-            if !self.takes(b':') {
+            if !self.accept(b':') {
                 return Err(self.fault("a colon is missing before this place: add it").inside(format_args!(".{key}")));
             }
             let value = self.value().map_err(|stop| stop.inside(format_args!(".{key}")))?;
@@ -206,7 +206,7 @@ impl Parser<'_> {
             if self.peek() == Some(b'}') {
                 break;
             }
-            if !self.takes(b',') {
+            if !self.accept(b',') {
                 return Err(self.fault("a comma is missing before this place: add it"));
             }
         }
@@ -214,7 +214,7 @@ impl Parser<'_> {
         Ok(Json::Object(members))
     }
 
-    /// A list from behind its opening bracket to its closing one.
+    /// Reads a list from the place after its opening bracket.
     fn list(&mut self) -> Result<Json, Stop> {
         let mut nodes = Vec::new();
         while self.peek() != Some(b']') || !nodes.is_empty() {
@@ -223,7 +223,7 @@ impl Parser<'_> {
             if self.peek() == Some(b']') {
                 break;
             }
-            if !self.takes(b',') {
+            if !self.accept(b',') {
                 return Err(self.fault("a comma is missing before this place: add it"));
             }
         }
@@ -231,7 +231,7 @@ impl Parser<'_> {
         Ok(Json::List(nodes))
     }
 
-    /// A text from its opening quote to its closing one.
+    /// Reads a text from its opening quote to its closing quote.
     fn text(&mut self) -> Result<String, Stop> {
         let mut text = String::new();
         self.at += 1;
@@ -253,7 +253,7 @@ impl Parser<'_> {
         }
     }
 
-    /// The character for which an escape from its backslash on stands.
+    /// Reads an escape sequence from its backslash.
     fn escaped(&mut self) -> Result<char, Stop> {
         const NONE: &str = "JSON has no such escape sequence: write \\\\ for a backslash";
         let letter = self.text.as_bytes().get(self.at + 1).copied();
@@ -261,7 +261,7 @@ impl Parser<'_> {
             Some(b'u') => {
                 let first = self.unit(NONE)?;
                 let code = match first {
-                    // Two halves of a character beyond the first 65 536.
+                    // Surrogate pair of a character above U+FFFF.
                     0xd800..0xdc00 if self.text[self.at..].starts_with("\\u") => match self.unit(NONE)? {
                         second @ 0xdc00..0xe000 => 0x1_0000 + ((first - 0xd800) << 10) + (second - 0xdc00),
                         _ => first,
@@ -282,7 +282,7 @@ impl Parser<'_> {
         Ok(character)
     }
 
-    /// Four hexadecimal digits behind `\u`.
+    /// Reads four hexadecimal digits after `\u`.
     fn unit(&mut self, message: &str) -> Result<u32, Stop> {
         let digits = self.text.get(self.at + 2..self.at + 6).filter(|text| text.bytes().all(|c| c.is_ascii_hexdigit()));
         let unit = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).ok_or_else(|| self.fault(message))?;
@@ -290,13 +290,13 @@ impl Parser<'_> {
         Ok(unit)
     }
 
-    /// A number.
+    /// Reads a number.
     fn number(&mut self) -> Result<f64, Stop> {
         let start = self.at;
         self.at += usize::from(self.peek() == Some(b'-'));
-        let leads_by_zero = self.peek() == Some(b'0');
+        let has_leading_zero = self.peek() == Some(b'0');
         let whole = self.digits()?;
-        if leads_by_zero && whole > 1 {
+        if has_leading_zero && whole > 1 {
             self.at = start;
             return Err(self.fault("a number starts with a zero that is followed by a digit: remove the zero"));
         }
@@ -309,11 +309,11 @@ impl Parser<'_> {
             self.at += usize::from(matches!(self.peek(), Some(b'+' | b'-')));
             self.digits()?;
         }
-        // All that JSON calls a number, Rust does too.
+        // Rust accepts every number of JSON.
         self.text[start..self.at].parse().map_err(|_| self.fault("a number is missing here"))
     }
 
-    /// Skip one or more digits; their number.
+    /// Skips one or more digits and returns their number.
     fn digits(&mut self) -> Result<usize, Stop> {
         let start = self.at;
         while matches!(self.peek(), Some(b'0'..=b'9')) {
@@ -330,7 +330,7 @@ mod tests {
     use proptest::prelude::*;
     use serde_json::Value;
 
-    /// The value that serde_json reads; numbers as doubles.
+    /// Whether the values are those of serde_json, with numbers as doubles.
     fn same(node: &Node, value: &Value, text: &str) -> bool {
         match (&node.json, value) {
             (Json::Null, Value::Null) => true,
@@ -339,7 +339,7 @@ mod tests {
             (Json::Text(a), Value::String(b)) => a == b && text[node.span.clone()].starts_with('"'),
             (Json::List(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b, text)),
             (Json::Object(a), Value::Object(b)) => {
-                // Of two members of one name the last counts there.
+                // serde_json keeps the last of several members with the same name.
                 b.iter().all(|(key, b)| a.iter().rev().find(|a| a.key == *key).is_some_and(|a| same(&a.value, b, text)))
                     && a.iter().all(|a| b.contains_key(&a.key))
             }
@@ -351,14 +351,14 @@ mod tests {
         match (parse("test", text), serde_json::from_str::<Value>(text)) {
             (Ok(node), Ok(value)) => assert!(same(&node, &value, text), "{text}: {node:?} where {value} was expected"),
             (Err(_), Err(_)) => {}
-            // What no double holds has its key here.
+            // A number that is too large for a double is accepted here, with its key.
             (Ok(_), Err(error)) => assert!(error.to_string().contains("out of range"), "{text}: {error}"),
             (Err(error), Ok(_)) => panic!("{text}: {error}"),
         }
     }
 
     #[test]
-    fn texts_are_read_as_others_read_them() {
+    fn texts_are_read_like_serde_json() {
         for text in [
             "",
             " ",
@@ -413,7 +413,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_text_is_read_as_others_read_it(
+        fn any_text_is_read_like_serde_json(
             text in "([\\[\\]{},:\"\\\\eE0-9.+ \n-]|true|null|\"a\"|\"a\":|\\\\u[0-9a-f]{3,4}|é){0,24}",
         ) {
             agrees(&text);
@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_json_is_named_with_its_path_and_place() {
+    fn invalid_json_gives_an_error_with_path_and_place() {
         for (text, said, place) in [
             ("", "not a valid test: the file is empty", [1, 1]),
             (" \n", "not a valid test: the file is empty", [2, 1]),

@@ -1,17 +1,17 @@
-//! Tables of keys: each key of a definition is declared once, and reading, writing, parameters, the schema and the
-//! pages of reference follow from its row.
+//! Tables of keys. Each key of a definition is declared once. Reading, writing, parameters, the schema and the
+//! reference pages follow from its row.
 //!
 //! In: the declarations of [`keys!`](super::keys!) and [`words!`](super::words!). Out: for each struct its table, and
-//! its values by the rows of that table. It must not know what a key means to a model.
+//! its values by the rows of the table. Must not know: what a key means to a model.
 use super::json::Node;
 use super::named::Named;
 use super::parameter::{Range, Role};
 use crate::variables::Unit;
 
-/// What may stand under a key.
+/// Kind of the value of a key.
 #[derive(Clone, Copy, Debug)]
 pub enum Kind {
-    /// A number, or an expression where the definition takes them.
+    /// A number, or an expression if the definition allows expressions.
     Number,
     /// A number without a fraction.
     Whole,
@@ -29,54 +29,54 @@ pub enum Kind {
     Group(&'static Kind),
     /// A list of values.
     List(&'static Kind),
-    /// What the model reads and says itself, in words.
+    /// A value that the model reads and writes itself. The text describes the value.
     Own(&'static str),
 }
 
-/// What a text names.
+/// Meaning of a text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Names {
-    /// Nothing.
+    /// Free text.
     Nothing,
-    /// Nothing, on one line.
+    /// Free text on one line.
     Line,
-    /// An element of the definition.
+    /// Name of an element of the definition.
     Element,
-    /// A point, as `body.point`.
+    /// Name of a point, as `body.point`.
     Point,
 }
 
-/// The row of a key.
+/// The row of a key in the table.
 #[derive(Clone, Copy, Debug)]
 pub struct Key {
     /// Name in the file.
     pub name: &'static str,
-    /// What may stand there.
+    /// Kind of the value.
     pub kind: Kind,
-    /// Whether it must be given.
+    /// Whether the key is required.
     pub is_required: bool,
-    /// Whether it is left out of the written form where it has its default.
+    /// Whether the written form omits the key if it has its default.
     pub is_brief: bool,
-    /// Whether it stands in the written form alone: no file may have it.
+    /// Whether the key exists only in the written form, and not in a file.
     pub is_written_only: bool,
-    /// Of a text: what it names.
+    /// For a text: its meaning.
     pub names: Names,
-    /// Of a number: its unit along a line, and about a joint.
+    /// For a number: its units for linear and for rotary elements.
     pub units: [Unit; 2],
-    /// Of pairs whose second number is another quantity than the first: its units.
+    /// For pairs whose second number is a different quantity: the units of the second number.
     pub second: Option<[Unit; 2]>,
-    /// Of a number: the values that it may have.
+    /// For a number: the allowed values.
     pub range: Range,
-    /// Of a parameter: what it changes.
+    /// For a parameter: the part of the model that it changes.
     pub role: Option<Role>,
-    /// Of a parameter: the text of its variable, without the owner's name.
+    /// For a parameter: the description of its variable, without the owner's name.
     pub words: &'static str,
-    /// The value where the key is absent, as JSON; empty where the struct's default says it, or where there is none.
+    /// The value of an absent key, as JSON. Empty if the struct's default states the value, or if there is none.
     pub absent: &'static str,
 }
 
 impl Key {
-    /// A key without anything to say but its name and kind, which the declaration gives.
+    /// A key with only a name and a kind, which the declaration states.
     pub const PLAIN: Self = Self {
         name: "",
         kind: Kind::Flag,
@@ -92,43 +92,44 @@ impl Key {
         absent: "",
     };
 
-    /// A key that must be given.
+    /// A required key.
     pub const fn required(self) -> Self {
         Self { is_required: true, ..self }
     }
 
-    /// A key that is left out of the written form where it has its default.
+    /// A key that the written form omits if it has its default.
     pub const fn brief(self) -> Self {
         Self { is_brief: true, ..self }
     }
 
-    /// A key with this value where it is absent, as JSON.
+    /// A key with this value, as JSON, if it is absent.
     pub const fn absent(self, json: &'static str) -> Self {
         Self { absent: json, ..self }
     }
 
-    /// A parameter: what it changes, and the text of its variable.
+    /// A parameter, with the part of the model that it changes and the description of its variable.
     pub const fn parameter(self, role: Role, words: &'static str) -> Self {
         Self { role: Some(role), words, ..self }
     }
 
-    /// Unit of the number, of a drive or load that turns or slides.
+    /// Unit of the number, for a rotary or linear drive or load.
     pub const fn unit(&self, is_rotary: bool) -> Unit {
         self.units[is_rotary as usize]
     }
 }
 
-/// The row of a number with one unit and its range.
+/// The row of a number with one unit and a range.
 pub const fn number(unit: Unit, range: Range) -> Key {
     Key { units: [unit; 2], range, ..Key::PLAIN }
 }
 
-/// The row of a number whose unit along a line differs from that about a joint.
+/// The row of a number with different units for linear and rotary elements.
 pub const fn either(units: [Unit; 2], range: Range) -> Key {
     Key { units, range, ..Key::PLAIN }
 }
 
-/// The row of the points of a curve: units of their first and of their second numbers, along a line and about a joint.
+/// The row of the points of a curve. `first`, `second`: units of the first and second numbers, each for linear and
+/// rotary elements.
 pub const fn curve(first: [Unit; 2], second: [Unit; 2], range: Range) -> Key {
     Key { units: first, second: Some(second), range, ..Key::PLAIN }
 }
@@ -138,24 +139,24 @@ pub const fn line() -> Key {
     Key { names: Names::Line, ..Key::PLAIN }
 }
 
-/// The row of a text that names an element.
+/// The row of a text with the name of an element.
 pub const fn element() -> Key {
     Key { names: Names::Element, ..Key::PLAIN }
 }
 
-/// The row of a text that names a point.
+/// The row of a text with the name of a point.
 pub const fn point() -> Key {
     Key { names: Names::Point, ..Key::PLAIN }
 }
 
-/// What may stand in the place of an object.
+/// Short form that may replace an object.
 #[derive(Clone, Copy, Debug)]
 pub enum Short {
-    /// Nothing.
+    /// No short form.
     None,
-    /// The value of the first key.
+    /// The value of the first key alone.
     First,
-    /// This word, which stands for true under the last key.
+    /// This word, which means that the last key is true.
     Word(&'static str),
 }
 
@@ -164,30 +165,30 @@ pub enum Short {
 pub struct Table {
     /// The rows, in the order of the written form.
     pub keys: &'static [Key],
-    /// What may stand in the place of the object.
+    /// Short form that may replace the object.
     pub short: Short,
 }
 
 impl Table {
-    /// Index of the key of this name that a file may have.
+    /// Index of the key with this name, if a file may contain the key.
     pub fn position(&self, name: &str) -> Option<usize> {
         self.keys.iter().position(|key| key.name == name && !key.is_written_only)
     }
 
-    /// Names of all keys that a file may have.
+    /// Names of all keys that a file may contain.
     pub fn names(&self) -> impl Iterator<Item = &'static str> + Clone {
         self.keys.iter().filter(|key| !key.is_written_only).map(|key| key.name)
     }
 }
 
 impl PartialEq for Table {
-    /// A table is itself only.
+    /// A table is equal only to itself.
     fn eq(&self, other: &Self) -> bool {
         std::ptr::eq(self, other)
     }
 }
 
-/// The place of a value in a definition.
+/// Mutable access to a value of a definition.
 pub enum Slot<'a> {
     /// A number.
     Number(&'a mut f64),
@@ -209,12 +210,12 @@ pub enum Slot<'a> {
     List(&'a mut dyn List),
     /// A value that may be absent.
     Maybe(&'a mut dyn Maybe),
-    /// What the model reads and says itself.
+    /// A value that the model reads and writes itself.
     Own(&'a mut dyn Own),
 }
 
 impl Slot<'_> {
-    /// Whether a value is there that is not the empty one.
+    /// Whether the value exists and is not empty.
     pub fn is_given(self) -> bool {
         match self {
             Self::Number(_) | Self::Whole(_) | Self::Pair(_) => true,
@@ -235,7 +236,7 @@ pub trait Keyed {
     /// The table.
     fn table(&self) -> &'static Table;
 
-    /// The value under the key of this index.
+    /// The value of the key with this index.
     fn slot(&mut self, index: usize) -> Slot<'_>;
 }
 
@@ -251,39 +252,39 @@ impl dyn Keyed + '_ {
     }
 }
 
-/// Table and words of a struct, for schema and reference.
+/// Table and descriptions of a struct, for schema and reference.
 pub trait Described {
     /// The table.
     const TABLE: &'static Table;
-    /// Words about the whole.
+    /// Description of the struct.
     const ABOUT: &'static str;
-    /// Words about each key, in the order of the table.
+    /// Description of each key, in the order of the table.
     const DOCS: &'static [&'static str];
 }
 
-/// A struct of a definition for schema and reference.
+/// A struct of a definition, for schema and reference.
 #[derive(Clone, Copy, Debug)]
 pub struct Element {
-    /// Its name there; empty for the whole definition.
+    /// Name in the schema and reference. Empty for the whole definition.
     pub name: &'static str,
-    /// Its keys.
+    /// Table of keys.
     pub table: &'static Table,
-    /// Words about it.
+    /// Description of the struct.
     pub about: &'static str,
-    /// Words about each key.
+    /// Description of each key.
     pub docs: &'static [&'static str],
     /// The element with all its defaults.
     pub make: fn() -> Box<dyn Keyed>,
 }
 
 impl Element {
-    /// The element that is this type.
+    /// The element of this type.
     pub const fn of<T: Described + Keyed + Default + 'static>(name: &'static str) -> Self {
         Self { name, table: T::TABLE, about: T::ABOUT, docs: T::DOCS, make: || Box::new(T::default()) }
     }
 
-    /// The default of a key as JSON: that of its row or of the struct; None of a key that must be given, and of one
-    /// without a value where it is absent.
+    /// The default of a key as JSON, from its row or from the struct. None for a required key and for a key without a
+    /// default.
     pub fn default_of(&self, index: usize) -> Option<String> {
         let (key, mut element) = (&self.table.keys[index], (self.make)());
         let is_value = !matches!(element.slot(index), Slot::Maybe(_) | Slot::Object(_) | Slot::Own(_));
@@ -297,52 +298,52 @@ impl Element {
 
 /// One of some words.
 pub trait Word {
-    /// Its index among the words.
+    /// Index of the present word.
     fn index(&self) -> usize;
-    /// Take the word with this index.
+    /// Sets the word by its index.
     fn choose(&mut self, index: usize);
 }
 
 /// Values by name.
 pub trait Group {
-    /// Place of the value of one more name; None if the name is there already.
+    /// Adds a value with this name. None if the name exists already.
     fn add(&mut self, name: &str) -> Option<Slot<'_>>;
-    /// Name and value of this index.
+    /// Name and value with this index.
     fn entry(&mut self, index: usize) -> Option<(&str, Slot<'_>)>;
 }
 
 /// Values in order.
 pub trait List {
-    /// Place of one more value.
+    /// Adds a value.
     fn add(&mut self) -> Slot<'_>;
-    /// The value of this index.
+    /// The value with this index.
     fn element(&mut self, index: usize) -> Option<Slot<'_>>;
 }
 
 /// A value that may be absent.
 pub trait Maybe {
-    /// Place of the value, which is there from now on.
+    /// Creates the value.
     fn make(&mut self) -> Slot<'_>;
-    /// Place of the value, if it is there.
+    /// The value, if it exists.
     fn get(&mut self) -> Option<Slot<'_>>;
 }
 
-/// A value that is read and written in its own way.
+/// A value with separate functions for reading and writing.
 pub trait Own {
-    /// Take a value.
+    /// Sets the value.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// The fault, as text.
     fn take(&mut self, node: &Node, text: &str) -> Result<(), String>;
-    /// The value as JSON; empty where there is none.
+    /// The value as JSON. Empty if there is no value.
     fn written(&self) -> String;
 }
 
-/// A type that may stand under a key.
+/// A type of values of keys.
 pub trait Field: Default {
-    /// What may stand there.
+    /// Kind of the value.
     const KIND: Kind;
-    /// The place of the value.
+    /// Access to the value.
     fn slot(&mut self) -> Slot<'_>;
 }
 

@@ -1,8 +1,8 @@
-//! What every kind of definition file needs: tables of keys and what follows from them, JSON with places, ordered
-//! names, faults with the path of the key, the texts and ranges of parameters, and the default experiment.
+//! Parts that every kind of definition file needs: tables of keys, JSON with places, ordered names, faults with paths,
+//! parameters, and the default experiment.
 //!
-//! In: the text of a file. Out: a value of the definition's type, or all faults for whoever writes the file. It must
-//! not know what any definition says.
+//! In: the text of a file. Out: a value of the definition's type, or all faults for the author of the file. Must not
+//! know: the meaning of any definition.
 mod about;
 mod aside;
 mod declare;

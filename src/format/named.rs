@@ -1,16 +1,16 @@
-//! A JSON object as an ordered list of named entries, found by name without a search through the list.
+//! A JSON object as an ordered list of named entries, with fast access by name.
 use serde::ser::{Serialize, Serializer};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Number of entries up to which a search through the list costs less than a map.
+/// Number of entries up to which a linear search is faster than a map.
 const FEW: usize = 16;
 
 /// Entries in the order of the file; names are unique.
 #[derive(Clone, Debug)]
 pub struct Named<T> {
     entries: Vec<(String, T)>,
-    /// Index of each name, if there are more than [`FEW`] entries. No name changes, so copies share the map.
+    /// Index of each name, if there are more than [`FEW`] entries. Names never change, so copies share the map.
     indices: Option<Arc<HashMap<String, usize>>>,
 }
 
@@ -27,7 +27,7 @@ impl<T: PartialEq> PartialEq for Named<T> {
 }
 
 impl<T> FromIterator<(String, T)> for Named<T> {
-    /// Entries whose names are unique.
+    /// Collects entries, whose names must be unique.
     fn from_iter<I: IntoIterator<Item = (String, T)>>(entries: I) -> Self {
         let entries: Vec<(String, T)> = entries.into_iter().collect();
         let mut all = Self { entries, indices: None };
@@ -42,12 +42,12 @@ impl<T> Named<T> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Entries in order, to change their values.
+    /// Entries in order, with mutable values.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut T)> {
         self.entries.iter_mut().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// One more entry; None, and no change, if there is one of this name.
+    /// Adds an entry. None, without any change, if the name exists.
     pub fn push(&mut self, name: &str, value: T) -> Option<&mut T> {
         if self.position(name).is_some() {
             return None;
@@ -60,14 +60,14 @@ impl<T> Named<T> {
         self.entries.last_mut().map(|(_, value)| value)
     }
 
-    /// Make the map of the names if there are many.
+    /// Builds the map of the names if there are many.
     fn index(&mut self) {
         if self.entries.len() > FEW {
             self.indices = Some(map(&self.names()));
         }
     }
 
-    /// Name and entry of this index.
+    /// Name and value of the entry with this index.
     pub fn at_mut(&mut self, index: usize) -> Option<(&str, &mut T)> {
         self.entries.get_mut(index).map(|(name, value)| (name.as_str(), value))
     }
@@ -104,17 +104,17 @@ impl<T> Named<T> {
     }
 }
 
-/// The map of names to their indices. Code of all types of entries.
+/// The map of names to their indices. The code does not depend on the type of the entries.
 fn map(names: &[&str]) -> Arc<HashMap<String, usize>> {
     Arc::new(names.iter().enumerate().map(|(index, name)| ((*name).to_owned(), index)).collect())
 }
 
-/// One more name in the map.
+/// Adds a name to the map.
 fn insert(indices: &mut Arc<HashMap<String, usize>>, name: &str, index: usize) {
     Arc::make_mut(indices).insert(name.to_owned(), index);
 }
 
-/// Index of the entry with this name: by the map if there is one, else by a search.
+/// Index of the entry with this name, from the map if there is one, otherwise by a linear search.
 fn position<T>(entries: &[(String, T)], indices: Option<&HashMap<String, usize>>, name: &str) -> Option<usize> {
     match indices {
         Some(indices) => indices.get(name).copied(),

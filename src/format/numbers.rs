@@ -1,28 +1,28 @@
-//! Numbers of a definition as they are read: some are expressions, whose values follow when all names are known.
+//! Numbers of a definition while it is read. Some are expressions, whose values are known after all names are read.
 use std::cell::{Cell, RefCell};
 
-/// Least bits of the numbers that stand for expressions: quiet NaN, which no JSON text gives.
+/// Lowest bit pattern of placeholders for expressions: a quiet NaN, which no JSON text contains.
 const PLACEHOLDER: u64 = 0x7ff8_4c46_0000_0000;
-/// Bits that hold the index of an expression.
+/// Mask of the index of an expression.
 const INDEX: u64 = 0xffff_ffff;
 
-/// What becomes of a text in the place of a number while a definition is read.
+/// Treatment of texts that replace numbers while a definition is read.
 #[derive(Default)]
 pub struct Numbers {
-    /// Texts of the expressions in the order in which they are read; None where a number must be a number.
+    /// Texts of the expressions in the order in which they are read. None if expressions are not allowed.
     texts: Option<RefCell<Vec<String>>>,
-    /// Values of those that are known, by index, each a number or why there is none.
+    /// Known values of the expressions by index, each a number or the reason why there is none.
     values: Vec<Option<Result<f64, String>>>,
     count: Cell<usize>,
 }
 
 impl Numbers {
-    /// Texts are kept, and a [`placeholder`](index_of) stands for each.
+    /// Allows expressions. The texts are stored, and a [`placeholder`](index_of) replaces each number.
     pub fn with_expressions() -> Self {
         Self { texts: Some(RefCell::default()), ..Self::default() }
     }
 
-    /// As [`Self::with_expressions`], for the same text once more, with values of some of its expressions.
+    /// As [`Self::with_expressions`], for a second reading of the same text with known values of some expressions.
     pub fn with_values(values: Vec<Option<Result<f64, String>>>) -> Self {
         Self { values, ..Self::with_expressions() }
     }
@@ -32,15 +32,15 @@ impl Numbers {
         self.texts.map(RefCell::into_inner).unwrap_or_default()
     }
 
-    /// Whether a text may stand in the place of a number.
-    pub(super) fn takes_texts(&self) -> bool {
+    /// Whether a text may replace a number.
+    pub(super) fn allows_texts(&self) -> bool {
         self.texts.is_some()
     }
 
-    /// The number in the place of which this text stands.
+    /// The number for this text: a known value, or a placeholder.
     ///
     /// # Errors
-    /// Its expression has no value, with the reason.
+    /// The reason why the expression has no value.
     pub(super) fn take(&self, text: &str) -> Result<f64, String> {
         let index = self.count.replace(self.count.get() + 1);
         if let Some(Some(known)) = self.values.get(index) {
@@ -51,7 +51,7 @@ impl Numbers {
     }
 }
 
-/// Index of the expression for which a number stands.
+/// Index of the expression of a placeholder.
 pub fn index_of(number: f64) -> Option<usize> {
     (number.to_bits() & !INDEX == PLACEHOLDER).then_some((number.to_bits() & INDEX) as usize)
 }

@@ -1,12 +1,12 @@
-//! One parameter of a definition: its range, its role in the model, and its texts, which are put together when somebody
-//! reads them.
+//! One parameter of a definition: its range, its role in the model, and its texts. The texts are joined only when they
+//! are read.
 use super::fault::{DefinitionError, Fault, Faults};
 use super::keys::{Key, Keyed, Kind, Slot};
 use crate::variables::Unit;
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// Values that a parameter may have; all finite.
+/// Allowed values of a parameter, all finite.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Range {
     /// Any finite number.
@@ -15,13 +15,13 @@ pub enum Range {
     NonNegative,
     /// > 0.
     Positive,
-    /// A length: > 0, with a square that is neither infinite nor 0.
+    /// A length > 0 whose square is finite and not 0.
     Length,
     /// A size >= 0 with a finite square.
     Size,
-    /// A coordinate: of any sign, with a finite square.
+    /// A coordinate of any sign with a finite square.
     Coordinate,
-    /// An angle that counts revolutions; the last digit of the largest is 1e-10 rad.
+    /// An angle that counts revolutions. The last digit of the largest angle is 1e-10 rad.
     Turn,
     /// > 0 and <= 1.
     Fraction,
@@ -29,24 +29,25 @@ pub enum Range {
     Unit,
     /// A part of a revolution: > 0 and <= 2 pi rad.
     Revolution,
-    /// A pressure angle of teeth [rad]: from teeth that push along the motion to some that would hardly move anything.
+    /// A pressure angle of teeth [rad], from a force along the motion to a force almost perpendicular to the motion.
     Pressure,
-    /// An eccentricity of elliptic gears: from circles to wheels whose ratio changes by the factor 361.
+    /// An eccentricity of elliptic gears, from circles to wheels whose ratio changes by a factor of 361.
     Eccentricity,
-    /// A polytropic exponent: from an isothermal change of state to one steeper than any adiabatic one.
+    /// A polytropic exponent, from an isothermal change of state to one steeper than any adiabatic change.
     Polytropic,
-    /// A relative tolerance: below, rounding takes over; above, the error estimate means nothing.
+    /// A relative tolerance. Below the range, rounding errors dominate; above the range, the error estimate is
+    /// meaningless.
     Tolerance,
-    /// A whole number >= 1 that counts without rounding.
+    /// A whole number >= 1 that a double represents exactly.
     Count,
-    /// A small part of a mechanism's size.
+    /// A small length, relative to the size of a mechanism.
     Snap,
-    /// A step of Newmark's method [s]: in a shorter one, rounding of the positions outweighs their change.
+    /// A step of Newmark's method [s]. In a shorter step, rounding errors of the positions exceed their change.
     Substep,
 }
 
 impl Range {
-    /// Whether a finite value is in the range, and the range in words.
+    /// Whether a finite value is in the range, and the range as text.
     fn rule(self, value: f64) -> (bool, &'static str) {
         match self {
             Self::Finite => (true, "a finite number"),
@@ -71,7 +72,7 @@ impl Range {
         }
     }
 
-    /// Least and largest number of the range, where there are such; what must be > 0 is bounded by 0.
+    /// Lower and upper bound of the range, if they exist. The lower bound of values > 0 is 0.
     pub fn bounds(self) -> [Option<f64>; 2] {
         match self {
             Self::Finite => [None, None],
@@ -91,7 +92,7 @@ impl Range {
         }
     }
 
-    /// Whether the least number is none of the range.
+    /// Whether the lower bound is outside the range.
     pub fn is_open(self) -> bool {
         matches!(self, Self::Positive | Self::Length | Self::Fraction | Self::Revolution)
     }
@@ -101,7 +102,7 @@ impl Range {
         value.is_finite() && self.rule(value).0
     }
 
-    /// Check the value of a key.
+    /// Checks the value of a key.
     ///
     /// # Errors
     /// The value is out of the range.
@@ -109,7 +110,7 @@ impl Range {
         self.check_in(Unit::One, key, value)
     }
 
-    /// Check the value of a key in this unit.
+    /// Checks the value of a key in this unit.
     ///
     /// # Errors
     /// The value is out of the range.
@@ -123,13 +124,13 @@ impl Range {
         DefinitionError::new(key.to_string(), Fault::Range(value, unit, self))
     }
 
-    /// The range in words.
+    /// The range as text.
     pub fn text(self) -> String {
         self.rule(0.0).1.to_owned()
     }
 }
 
-/// A text in pieces: a visit of all parameters allocates nothing.
+/// A text in pieces, so that a visit of all parameters allocates no memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Text<'a>([&'a str; 7]);
 
@@ -149,7 +150,7 @@ impl<'a, const N: usize> From<[&'a str; N]> for Text<'a> {
     }
 }
 
-/// What a parameter changes in a model.
+/// The part of a model that a parameter changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
     /// The shape of the linkage.
@@ -158,30 +159,30 @@ pub enum Role {
     Inertia,
     /// The potential or the law of a load.
     Load,
-    /// A number in the law of a load, which may change between two steps: of friction, air, drag, what a stop does.
+    /// A number in the law of a load, such as friction, air, drag or the restitution of a stop. Tunable between steps.
     Law,
     /// The position at the start.
     StartPosition,
     /// The speed at the start.
     StartSpeed,
-    /// The stretch of bodies as rods.
+    /// Elastic lengthening of bodies as rods.
     Elasticity,
-    /// The tolerance of the integration or the bound on its work, which may change between two steps.
+    /// The tolerance or the largest number of steps of the integration. Tunable between steps.
     Tolerance,
     /// The step of the finite elements.
     Step,
-    /// What the errors of the integration are relative to.
+    /// The reference of the relative errors of the integration.
     Scale,
     /// The laws of a hydraulic circuit.
     Circuit,
     /// The pressures or the integral parts of controllers at the start.
     CircuitStart,
-    /// Nothing by itself: the numbers whose expressions read it.
+    /// Only the numbers whose expressions contain the parameter.
     Named,
 }
 
 impl Role {
-    /// Whether a host may change such a parameter between two steps.
+    /// Whether a host may change a parameter with this role between two steps.
     pub fn is_tunable(self) -> bool {
         matches!(self, Self::Law | Self::Tolerance)
     }
@@ -204,9 +205,9 @@ pub struct Parameter<'a> {
     pub description: Text<'a>,
     /// Unit.
     pub unit: Unit,
-    /// Values that it may have.
+    /// Allowed values.
     pub range: Range,
-    /// What it changes in the model.
+    /// The part of the model that the parameter changes.
     pub role: Role,
 }
 
@@ -221,9 +222,9 @@ impl<'a> Parameter<'a> {
         Self { name: name.into(), key: key.into(), description: description.into(), unit, range, role }
     }
 
-    /// Keep a fault under the name if the value is out of range.
+    /// Adds a fault with the parameter's name if the value is out of range.
     pub fn check(&self, value: f64, faults: &mut Faults) {
-        // Names are put together only where one is said.
+        // Names are joined only for a message.
         if !self.range.contains(value) {
             faults.push(DefinitionError::new(self.name.concat(), Fault::Range(value, Unit::One, self.range)));
         }
@@ -239,24 +240,24 @@ pub struct Flag<'a> {
     pub description: Text<'a>,
 }
 
-/// Section that there is once, or named element of a group, whose parameters a visitor is called with.
+/// Owner of parameters: a section that occurs once, or a named element of a group.
 pub struct Owner<'a> {
-    /// Of an element only.
+    /// Group of a named element.
     pub group: Option<&'static str>,
-    /// Its name.
+    /// Name of the owner.
     pub name: &'a str,
-    /// Whether it turns about a joint, which decides some units.
+    /// Whether the element is rotary, which determines some units.
     pub is_rotary: bool,
 }
 
 impl Owner<'_> {
-    /// Visit the parameters among the keys of an object, which `refine` may change or leave out.
+    /// Visits the parameters among the keys of an object. `refine` may change or omit a key.
     pub fn parameters(&self, object: &mut dyn Keyed, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
         self.inside("", object, refine, visit);
     }
 
-    /// Visit the Boolean parameters among the keys of an object, which have their values from now on; @ in the words of
-    /// one stands for the owner's name.
+    /// Visits the Boolean parameters among the keys of an object. Absent values are set to their defaults. In the
+    /// description, @ stands for the owner's name.
     pub fn flags(&self, object: &mut dyn Keyed, visit: &mut dyn FnMut(Flag, &mut bool)) {
         for (index, key) in object.table().keys.iter().enumerate().filter(|(_, key)| key.role.is_some()) {
             let mut slot = object.slot(index);
@@ -287,7 +288,7 @@ impl Owner<'_> {
         }
     }
 
-    /// Visit what stands under a key of the owner, or `of` an object in it.
+    /// Visits the value of a key of the owner, or of the object `of` in the owner.
     fn visit(&self, of: &str, key: &Key, slot: Slot, refine: &dyn Fn(Key) -> Option<Key>, visit: &mut Visit) {
         match (slot, key.role) {
             (Slot::Maybe(maybe), _) => {
@@ -303,7 +304,7 @@ impl Owner<'_> {
                     match self.group {
                         Some(group) => {
                             let path = [group, ".", self.name, ".", of, dot, key.name];
-                            // An @ in the words stands for the element, or for the object in it.
+                            // In the description, @ stands for the element or for the object in it.
                             let words = match key.words.split_once('@') {
                                 Some((before, after)) => [before, self.name, dot, of, after],
                                 None => [key.words, " of ", self.name, "", ""],

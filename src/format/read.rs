@@ -1,7 +1,7 @@
-//! Definitions read by their tables of keys, and written by them.
+//! Reading and writing of definitions by their tables of keys.
 //!
-//! In: a text, a value with its table. Out: the value with what the text says, and all faults in the order of the text;
-//! the value as canonical JSON. It must not know what a key means.
+//! In: a text, a value with its table. Out: the value as stated in the text, and all faults in the order of the text;
+//! the value as canonical JSON. Must not know: what a key means.
 use super::fault::{DefinitionError, Fault, Faults, Place};
 use super::json::{Json, Member, Node, parse};
 use super::keys::{Keyed, Kind, Short, Slot};
@@ -9,15 +9,14 @@ use super::numbers::Numbers;
 use std::fmt::Write;
 use std::ops::Range;
 
-/// Largest number of bytes of a definition; a mechanism of 100 bodies has about 30 thousand.
+/// Largest size of a definition [bytes]. A mechanism of 100 bodies has about 30 000 bytes.
 pub const LARGEST_DEFINITION: u64 = 16 << 20;
-/// Letters of a value that a message shows.
+/// Number of characters of a value in a message.
 const SHOWN: usize = 40;
-/// Most faults that are kept of one text.
+/// Largest number of faults of one text.
 const MOST: usize = 100;
 
-/// Read a definition of a `kind`, a word of the message where the text as a whole is at fault. What is at fault keeps
-/// the value that it has.
+/// Reads a definition. `kind`: word for messages about the text as a whole. Faulty values do not change `into`.
 pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed) -> Faults {
     let mut faults = Faults::default();
     if text.len() as u64 > LARGEST_DEFINITION {
@@ -36,7 +35,7 @@ pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed
     faults
 }
 
-/// A definition whose numbers are numbers, or its first fault.
+/// Reads a definition without expressions.
 ///
 /// # Errors
 /// The first fault.
@@ -49,9 +48,9 @@ pub fn read<T: Keyed + Default>(kind: &str, text: &str) -> Result<T, DefinitionE
 struct Reader<'r> {
     kind: &'r str,
     text: &'r str,
-    /// Takes the texts in the place of numbers.
+    /// Treatment of texts that replace numbers.
     numbers: &'r Numbers,
-    /// Path of the value that is read, such as `bodies.crank.points.tip[1]`; empty at the top.
+    /// Path of the present value, such as `bodies.crank.points.tip[1]`. Empty at the top level.
     path: String,
     faults: &'r mut Faults,
 }
@@ -65,10 +64,10 @@ impl Reader<'_> {
         self.faults.push(DefinitionError::new(path, fault).at(Place::new(self.text, span.clone())));
     }
 
-    /// Do this with one more part of the path.
+    /// Calls `read` with an additional part of the path.
     fn inside(&mut self, part: std::fmt::Arguments, read: impl FnOnce(&mut Self)) {
         let length = self.path.len();
-        // Text takes all that is written.
+        // Writing to a string never fails.
         let _ = self.path.write_fmt(part);
         if length == 0 && self.path.starts_with('.') {
             self.path.remove(0);
@@ -77,7 +76,7 @@ impl Reader<'_> {
         self.path.truncate(length);
     }
 
-    /// A value of another type than the one that is asked for.
+    /// Adds the fault of a value with the wrong type.
     #[cold]
     fn type_fault(&mut self, node: &Node, kind: &Kind) {
         let found = match &node.json {
@@ -97,11 +96,11 @@ impl Reader<'_> {
             (Json::Text(text), Kind::Number | Kind::Whole) if text.parse::<f64>().is_ok() => "; remove the quotes",
             _ => "",
         };
-        let expected = expected(kind, self.numbers.takes_texts());
+        let expected = expected(kind, self.numbers.allows_texts());
         self.fault(Fault::Type { expected, found, remedy }, &node.span);
     }
 
-    /// The keys of an object, or what may stand in its place.
+    /// Reads the keys of an object, or its short form.
     fn object(&mut self, node: &Node, into: &mut dyn Keyed) {
         let table = into.table();
         let members = match (&node.json, table.short) {
@@ -174,7 +173,7 @@ impl Reader<'_> {
         }
     }
 
-    /// A number, or what stands for an expression in its place.
+    /// A number, or the placeholder of an expression.
     fn number(&mut self, node: &Node) -> Option<f64> {
         match &node.json {
             Json::Number(number) if number.is_finite() => return Some(*number),
@@ -183,7 +182,7 @@ impl Reader<'_> {
                     (shortened(&self.text[node.span.clone()]), "larger than the largest number, 1.8e308");
                 self.fault(Fault::Value(value, allowed.to_owned()), &node.span);
             }
-            Json::Text(text) if self.numbers.takes_texts() => match self.numbers.take(text) {
+            Json::Text(text) if self.numbers.allows_texts() => match self.numbers.take(text) {
                 Ok(number) => return Some(number),
                 Err(message) => self.fault(Fault::Other(message), &node.span),
             },
@@ -193,7 +192,7 @@ impl Reader<'_> {
     }
 }
 
-/// A text, or its beginning with three dots.
+/// A text, or its start with three dots.
 fn shortened(text: &str) -> String {
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}...", &text[..end]),
@@ -201,10 +200,10 @@ fn shortened(text: &str) -> String {
     }
 }
 
-/// What is asked for, in words.
-fn expected(kind: &Kind, takes_texts: bool) -> String {
+/// The expected kind of value, as text.
+fn expected(kind: &Kind, allows_texts: bool) -> String {
     match kind {
-        Kind::Number if takes_texts => "a number, or an expression in quotes".to_owned(),
+        Kind::Number if allows_texts => "a number, or an expression in quotes".to_owned(),
         Kind::Number => "a number".to_owned(),
         Kind::Whole => "a whole number".to_owned(),
         Kind::Flag => "true or false".to_owned(),
@@ -215,7 +214,7 @@ fn expected(kind: &Kind, takes_texts: bool) -> String {
         Kind::Group(_) => "an object { } of named entries".to_owned(),
         Kind::Object(table) => match table.short {
             Short::None => "an object { }".to_owned(),
-            Short::First => format!("{}, or an object {{ }}", expected(&table.keys[0].kind, takes_texts)),
+            Short::First => format!("{}, or an object {{ }}", expected(&table.keys[0].kind, allows_texts)),
             Short::Word(word) => format!("an object {{ }}, or the word \"{word}\""),
         },
         Kind::Own(words) => (*words).to_owned(),
@@ -223,7 +222,7 @@ fn expected(kind: &Kind, takes_texts: bool) -> String {
 }
 
 /// A definition as canonical JSON: compact, with all keys in the order of their tables and names in the order of the
-/// file; null where there is no value, unless the row of the key leaves it out.
+/// file. A missing value is null, unless the row of the key omits it.
 pub fn written(definition: &mut dyn Keyed) -> String {
     let mut out = String::new();
     write_object(definition, &mut out);
@@ -296,12 +295,12 @@ fn write_value(slot: Slot, kind: &Kind, out: &mut String) {
     }
 }
 
-/// A number in the fewest digits that read back as it; null for one that is not finite.
+/// Writes a number with the fewest digits that give the same double, or null for a number that is not finite.
 fn write_number(number: f64, out: &mut String) {
     out.push_str(&serde_json::to_string(&number).unwrap_or_default());
 }
 
-/// A text in quotes, with escapes where JSON asks for them.
+/// A text in quotes, with the escape sequences of JSON.
 pub fn quoted(text: &str) -> String {
     serde_json::to_string(text).unwrap_or_default()
 }

@@ -1,6 +1,6 @@
 //! All numbers of a definition with their rows.
 //!
-//! In: a value with its table. Out: each of its numbers with its path. It must not know what a number means.
+//! In: a value with its table. Out: each of its numbers with its path. Must not know: what a number means.
 use super::keys::{Key, Keyed, Slot};
 use crate::variables::Unit;
 use std::collections::HashSet;
@@ -11,21 +11,21 @@ pub struct Number<'n> {
     pub path: &'n str,
     /// Row of its key.
     pub key: &'n Key,
-    /// Units along a line and about a joint.
+    /// Units for linear and for rotary elements.
     pub units: [Unit; 2],
     /// The value.
     pub value: &'n mut f64,
 }
 
 impl Number<'_> {
-    /// The unit, where these elements, each by its path, have the second one of two.
+    /// The unit of the number. `rotary` contains the paths of the rotary elements, which use the second unit.
     pub fn unit(&self, rotary: &HashSet<String>) -> Unit {
         let end = self.path.match_indices('.').nth(1).map_or(self.path.len(), |(at, _)| at);
         self.units[usize::from(rotary.contains(&self.path[..end]))]
     }
 }
 
-/// Call `visit` with each number, in the order of the tables.
+/// Calls `visit` with each number, in the order of the tables.
 pub fn numbers(definition: &mut dyn Keyed, visit: &mut dyn FnMut(Number)) {
     object("", definition, visit);
 }

@@ -1,10 +1,10 @@
-//! The interpolant of one step, whatever the method.
+//! The interpolant of one step of any method.
 
 use crate::codec::record::{Damaged, Record};
 
-/// Stages within a step, of a lower order than its end, are off its interpolant by some ten times the tolerance where
-/// that errs by half of it; where a motion is damped that is much faster than the step, the interpolant errs as much as
-/// they.
+/// Limit of [`Dense::off()`] in units of the tolerance. The stages are of lower order than the end. In smooth motions
+/// they deviate from the interpolant by about 10 tolerances if its error is half a tolerance. In a step with a much
+/// faster damped component, the error of the interpolant is as large as this deviation.
 const OFF: f64 = 30.0;
 
 /// Polynomial of degree 7 at most over one step, in the nested form of Hairer, Norsett, Wanner, Solving ODEs I (1993),
@@ -14,12 +14,12 @@ pub struct Dense<const N: usize> {
     pub(super) start: [f64; N],
     pub(super) end: [f64; N],
     pub(super) terms: [[f64; N]; TERMS],
-    /// How far each component of the motion may be off it: of DOP853 and RKN8(6) by stages within the step, of the
-    /// others by the error estimate of the step.
+    /// Estimated deviation of each component of the motion from the interpolant. For DOP853 and RKN8(6), from stages
+    /// within the step; for the other methods, the error estimate of the step.
     pub(super) off: [f64; N],
 }
 
-/// Terms of the nested form: the degree.
+/// Number of terms of the nested form, which is the degree.
 pub(super) const TERMS: usize = 7;
 
 impl<const N: usize> Dense<N> {
@@ -27,37 +27,37 @@ impl<const N: usize> Dense<N> {
         Self { start, end, terms, off: std::array::from_fn(|n| off(n).abs()) }
     }
 
-    /// Whether the motion is no further off it than smooth motions are.
+    /// Whether [`Self::off()`] of all components is as small as in smooth motions.
     pub fn is_within(&self, tolerance: f64, scale: &[f64; N]) -> bool {
         self.off.iter().zip(scale).all(|(off, scale)| *off <= OFF * tolerance * scale)
     }
 
-    /// How far component n of the motion may be off it.
+    /// Estimated deviation of component n of the motion from the interpolant.
     pub fn off(&self, n: usize) -> f64 {
         self.off[n]
     }
 
-    /// To be read.
+    /// An interpolant for [`Self::record`] to fill.
     pub fn blank() -> Self {
         Self::new([0.0; N], [0.0; N], [[0.0; N]; TERMS], |_| 0.0)
     }
 
-    /// All fields, written or read.
+    /// Writes or reads all fields except `off`.
     ///
     /// # Errors
-    /// A number is read that is not finite.
+    /// A number that was read is not finite.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("interpolant", &mut self.start)?;
         record.all_finite("interpolant", &mut self.end)?;
         self.terms.iter_mut().try_for_each(|term| record.all_finite("interpolant", term))
     }
 
-    /// State at the part s of the step, 0 <= s <= 1; beyond, its continuation.
+    /// State at the part s of the step, 0 <= s <= 1. Other s give the extrapolation.
     pub fn at(&self, s: f64) -> [f64; N] {
         std::array::from_fn(|n| self.component(n, s))
     }
 
-    /// One component of that.
+    /// Component n of [`Self::at`].
     #[inline]
     pub fn component(&self, n: usize, s: f64) -> f64 {
         let mut sum = 0.0;
@@ -68,8 +68,8 @@ impl<const N: usize> Dense<N> {
     }
 }
 
-/// The first three terms of one component's interpolant, Hermite's cubic, from its values and rates at both ends: II.6,
-/// eq. (6.7).
+/// The first three terms of the interpolant of one component, Hermite's cubic, from values and rates at both ends:
+/// II.6, eq. (6.7).
 #[inline]
 pub(super) fn hermite(h: f64, [start, end]: [f64; 2], [first, last]: [f64; 2]) -> [f64; 3] {
     let delta = end - start;

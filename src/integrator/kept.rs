@@ -1,29 +1,29 @@
-//! A Jacobian that steps of Radau share as long as Newton's method converges well with it, with the factors of the
-//! matrices of Newton's method.
+//! A Jacobian that consecutive Radau steps share while Newton's method converges fast enough, with the factors of its
+//! matrices.
 //!
-//! In: a Jacobian, step sizes. Out: factors of the matrices of Newton's method. It must not know when to use them.
+//! In: a Jacobian, step sizes. Out: factors of the matrices of Newton's method. Must not know: when to use them.
 //! Source: Hairer, Wanner, Solving ODEs II (1996), IV.8.
 use super::methods::radau::coefficients::{ALPHA, BETA, GAMMA};
 use crate::codec::record::{Damaged, Record};
 use crate::numerics::gauss::{Complex, Factors};
 
-/// Relative difference of step sizes up to which steps share factors: that of differences of rounded times. The rate of
-/// convergence of Newton's method grows by no more.
+/// Relative difference of step sizes up to which steps share factors. It covers differences of rounded times. The rate
+/// of convergence of Newton's method increases by at most this amount.
 const SAME_SIZE: f64 = 1e-6;
 
-/// A Jacobian df/dy with what follows from it.
+/// A Jacobian df/dy with derived quantities.
 #[derive(Clone, Debug)]
 pub struct Kept<const N: usize> {
     jacobian: [[f64; N]; N],
-    /// Number of leading components: columns of the Jacobian after these are 0.
+    /// Number of leading components. Columns of the Jacobian after these are 0.
     pub leading: usize,
     /// The largest |eigenvalue| of the Jacobian [1/s].
     pub lambda: f64,
-    /// Whether the next step may use it, if it follows a step of Radau.
+    /// Whether the next step may use the Jacobian, if the next step follows a Radau step.
     pub is_useful: bool,
-    /// Step size of the factors [s]; 0: no step has asked for any.
+    /// Step size of the factors [s]. 0: no factors were requested.
     h: f64,
-    /// Whether the factors are there. They follow from the Jacobian and their step size, so that no record needs them.
+    /// Whether the factors exist. They follow from the Jacobian and the step size, so they are not recorded.
     is_factored: bool,
     /// Factors of (gamma/h - J) of the leading components.
     pub real: Factors<f64, N>,
@@ -46,7 +46,7 @@ impl<const N: usize> Default for Kept<N> {
     }
 }
 
-/// Equal if all that decides how steps continue is equal.
+/// Equal if all data that determine the next steps are equal.
 impl<const N: usize> PartialEq for Kept<N> {
     fn eq(&self, other: &Self) -> bool {
         let is_same = || self.h == other.h && self.leading == other.leading && self.rows().eq(other.rows());
@@ -55,7 +55,7 @@ impl<const N: usize> PartialEq for Kept<N> {
 }
 
 impl<const N: usize> Kept<N> {
-    /// Take a Jacobian whose columns after the first `leading` are 0, with its largest |eigenvalue| [1/s].
+    /// Sets a Jacobian whose columns after the first `leading` are 0, with its largest |eigenvalue| [1/s].
     pub fn take(&mut self, jacobian: &[[f64; N]; N], leading: usize, lambda: f64) {
         self.jacobian.copy_from_slice(jacobian);
         (self.leading, self.lambda, self.h, self.is_factored) = (leading, lambda, 0.0, false);
@@ -66,7 +66,7 @@ impl<const N: usize> Kept<N> {
         self.jacobian.iter().map(|row| &row[..self.leading])
     }
 
-    /// With factors for a step of size h; none if a matrix is singular.
+    /// Computes the factors for a step of size h. None if a matrix is singular.
     pub fn factored(&mut self, h: f64) -> Option<&Self> {
         if (self.h - h).abs() > SAME_SIZE * h {
             (self.h, self.is_factored) = (h, false);
@@ -82,7 +82,7 @@ impl<const N: usize> Kept<N> {
         self.is_factored.then_some(self)
     }
 
-    /// Become the same as another one.
+    /// Copies `other`.
     pub fn copy_from(&mut self, other: &Self) {
         self.is_useful = other.is_useful;
         if !other.is_useful {
@@ -99,10 +99,10 @@ impl<const N: usize> Kept<N> {
         }
     }
 
-    /// All fields, written or read.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A field is read that no step leaves.
+    /// A field that was read has a value that no step can produce.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.flag("Jacobian in use", &mut self.is_useful)?;
         if self.is_useful {

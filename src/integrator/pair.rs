@@ -1,6 +1,6 @@
-//! One step of any method: what the control of step sizes asks of a method, and what the events ask of a step.
+//! Interfaces of one step of any method: to the control of step sizes and to the search for events.
 //!
-//! In: a system, a start, a step size. Out: the end of the step, its error, its path. It must not know any method.
+//! In: a system, a start, a step size. Out: the end of the step, its error, its path. Must not know: any method.
 use super::{Dense, Method, System};
 
 /// Start of a step.
@@ -12,11 +12,11 @@ pub struct Start<const N: usize> {
     pub y: [f64; N],
     /// f(t, y).
     pub first: [f64; N],
-    /// Rounding that the sums up to here have lost.
+    /// Sum of the rounding errors of the sums so far (compensation).
     pub carry: [f64; N],
 }
 
-/// Attempt at a step, not yet accepted.
+/// Attempt at a step, which is not yet accepted.
 pub struct Outcome<K, const N: usize> {
     /// Stages of the method.
     pub stages: K,
@@ -24,11 +24,11 @@ pub struct Outcome<K, const N: usize> {
     pub end: [f64; N],
     /// f at the end, if the method has evaluated it.
     pub last: Option<[f64; N]>,
-    /// Rounding that the sums up to the end have lost.
+    /// Sum of the rounding errors of the sums up to the end (compensation).
     pub carry: [f64; N],
 }
 
-/// Stages of a step: what they say about the path between its start and its end.
+/// Stages of a step, which determine the path between its start and its end.
 pub trait Path<const N: usize> {
     /// Method that made the step.
     const METHOD: Method;
@@ -38,7 +38,7 @@ pub trait Path<const N: usize> {
         Self::METHOD
     }
 
-    /// Evaluations of [`Self::dense`].
+    /// Number of evaluations of [`Self::dense`].
     fn dense_evaluations(&self) -> u64 {
         0
     }
@@ -51,13 +51,13 @@ pub trait Path<const N: usize> {
     /// f at the start y of the step.
     fn first(&self, y: &[f64; N]) -> [f64; N];
 
-    /// f at the start and at the end of an explicit step of a system of first order.
+    /// f at the start and at the end of an explicit step of a first-order system.
     fn rates(&self) -> Option<[&[f64; N]; 2]> {
         None
     }
 
-    /// Largest distance of component n, within a step of size h, from the range of its start and its end; infinite if
-    /// unknown, as for a method whose interpolant costs nothing.
+    /// Largest distance of component n, within a step of size h, from the range between its values at start and end.
+    /// Infinite if unknown, for methods whose interpolant needs no evaluation.
     fn bulge(&self, _n: usize, _h: f64, _ends: [&[f64; N]; 2]) -> f64 {
         f64::INFINITY
     }
@@ -66,34 +66,34 @@ pub trait Path<const N: usize> {
     fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N>;
 }
 
-/// An explicit method with an error estimate, as the stages of one step; f at its end is the first stage of the next.
+/// An explicit method with an error estimate, as the stages of one step. Its last f is the first stage of the next.
 pub trait Pair<const N: usize>: Path<N> + Sized {
-    /// Evaluations of a step.
+    /// Number of evaluations of a step.
     const EVALUATIONS: u64;
-    /// Power of the step size in which [`Self::error`] falls.
+    /// The result of [`Self::error`] is proportional to this power of the step size.
     const ERROR_POWER: f64;
 
     /// The step of size h.
     fn attempt<S: System<N>>(system: &mut S, start: &Start<N>, h: f64) -> Outcome<Self, N>;
 
-    /// A power of the ratio of the error estimate to the tolerance: up to 1 the step is good.
-    /// Components of `S` after the leading ones have no weight in it.
+    /// A power of the ratio of the error estimate to the tolerance. The step is accepted up to 1. Components after the
+    /// leading ones of `S` have no weight.
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64;
 
-    /// h |lambda| of the stiffest component in a step between the states `ends`; 0 for a pair that no stiff system is
-    /// given to.
+    /// h |lambda| of the stiffest component in a step between the states `ends`. 0 for a pair that is not used for
+    /// stiff systems.
     fn stiffness<S: System<N>>(&self, _h: f64, _ends: [&[f64; N]; 2], _scale: &[f64; N]) -> f64 {
         0.0
     }
 }
 
-/// Mean square of the components of an error, each over its scale; those after the first `leading` have none.
+/// Mean square of the components of an error over their scales. Only the first `leading` components have weight.
 #[inline]
 pub fn mean_square<const N: usize>(leading: usize, scale: &[f64; N], error: impl Fn(usize) -> f64) -> f64 {
     (0..leading).map(|n| (error(n) / scale[n]).powi(2)).sum::<f64>() / N as f64
 }
 
-/// State of a stage: `increment` on from y, in the leading components of the system.
+/// State of a stage: y plus `increment` in the leading components of the system.
 #[inline(always)]
 pub fn stage<S: System<N>, const N: usize>(y: &[f64; N], increment: impl Fn(usize) -> f64) -> [f64; N] {
     let mut at = *y;
@@ -103,7 +103,7 @@ pub fn stage<S: System<N>, const N: usize>(y: &[f64; N], increment: impl Fn(usiz
     at
 }
 
-/// y + increment + carry, and the part of that sum lost to rounding: Knuth's two-sum.
+/// y + increment + carry, and the rounding error of that sum, by Knuth's two-sum.
 #[inline]
 pub fn add_compensated<const N: usize>(y: &[f64; N], increment: &[f64; N], carry: &[f64; N]) -> ([f64; N], [f64; N]) {
     let (mut end, mut lost) = ([0.0; N], [0.0; N]);
@@ -116,17 +116,17 @@ pub fn add_compensated<const N: usize>(y: &[f64; N], increment: &[f64; N], carry
     (end, lost)
 }
 
-/// Factor on [`bulge`], as the rates between the stages are not known.
+/// Factor on [`bulge`], because the rates between the stages are not known.
 pub const BULGE_MARGIN: f64 = 1.5;
 
-/// [`Path::bulge`] from the least and the largest rate: a path whose rate is between f_1 and f_2 is at most h (f_2 -
-/// f_1) / 4 off the straight line between its ends.
+/// [`Path::bulge`] from the smallest and the largest rate. A path with rates between f_1 and f_2 deviates by at most h
+/// (f_2 - f_1) / 4 from the straight line between its ends.
 #[inline]
 pub fn bulge(h: f64, [least, most]: [f64; 2]) -> f64 {
     BULGE_MARGIN * 0.25 * h * (most - least)
 }
 
-/// The least and the largest of some numbers.
+/// The smallest and the largest of some numbers.
 #[inline]
 pub fn extremes(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);

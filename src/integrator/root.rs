@@ -1,15 +1,16 @@
-//! Where the interpolant of a step first passes a level.
+//! First passage of a level by the interpolant of a step.
 //!
-//! On [0, 1] a polynomial lies within the range of its Bernstein coefficients, and it has at most as many roots inside
-//! as they change sign (equal for one change). Halving the interval (de Casteljau) until each part has one change at
-//! most finds every root; the parts are gone through from left to right.
+//! On [0, 1] a polynomial is within the range of its Bernstein coefficients. The number of its roots inside is at most
+//! the number of sign changes of the coefficients, and equal to it for one change. The interval is bisected (de
+//! Casteljau) until each part has one change at most, which finds every root. The parts are searched from left to
+//! right.
 //! Source: Farouki, The Bernstein polynomial basis: a centennial retrospective, Comput. Aided Geom. Des. 29 (2012),
 //! 379.
 use super::Dense;
 use super::dense::TERMS;
 use crate::numerics::enclosure::{Enclosure, Interval};
 
-/// In which direction a level is passed.
+/// Direction in which a level is passed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Direction {
     /// From below to above.
@@ -20,25 +21,25 @@ pub enum Direction {
 
 /// Bernstein coefficients of a polynomial of degree 7 on an interval.
 type Coefficients = [f64; TERMS + 1];
-/// Those of several polynomials side by side.
+/// Coefficients of several polynomials side by side.
 type SideBySide<const L: usize> = [[f64; L]; TERMS + 1];
 
-/// Index of a coefficient, as a number.
+/// Index of a coefficient as a floating-point number.
 const NUMBER: [f64; TERMS + 1] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0];
 
-/// Halvings of the step after which a part is a point.
+/// Number of bisections of the step after which a part is a point.
 const DEEPEST: u32 = 50;
-/// Rounding of the coefficients in units of the last place of the largest number they are made of.
+/// Rounding error of the coefficients, relative to the largest number from which they are computed.
 const ROUNDING: f64 = 16.0 * f64::EPSILON;
 
 impl<const N: usize> Dense<N> {
-    /// The first s in (0, 1] at which this component passes the level in this direction; none if it does not. A touch
-    /// that does not pass is no passage; an end exactly on the level is one, as the polynomial does not tell what
-    /// follows.
+    /// The first s in (0, 1] at which this component passes the level in this direction. None without a passage. A
+    /// touch is not a passage. An end exactly on the level is a passage, because the polynomial does not determine how
+    /// the motion continues.
     ///
-    /// With `leaving` the step starts on the level, up to rounding, or beyond it, and that is no passage: neither with
-    /// a speed away from it nor with the speed 0 and an acceleration. Without, the signs at the two ends are those of
-    /// the exact states, so no passage is lost between one step and the next.
+    /// With `leaving` the step starts on the level, up to rounding errors, or beyond the level. The start is then not a
+    /// passage, neither with a speed away from the level nor with the speed 0 and an acceleration. Without `leaving`,
+    /// the signs at both ends are those of the exact states, so no passage between two steps is lost.
     pub fn first_passage(&self, component: usize, level: f64, direction: Direction, leaving: bool) -> Option<f64> {
         let sign = match direction {
             Direction::Rising => 1.0,
@@ -64,12 +65,12 @@ impl<const N: usize> Dense<N> {
         search.part(&b, 0.0, 1.0, 0).or_else(|| (search.below && b[TERMS] >= 0.0).then_some(1.0))
     }
 
-    /// These components, to be bounded on parts of the step.
+    /// Bernstein coefficients of these components, for bounds on parts of the step.
     pub fn bounded<const L: usize>(&self, components: [usize; L]) -> BoundedComponents<L> {
         BoundedComponents(self.bernstein(components))
     }
 
-    /// Bernstein coefficients: Horner's rule of the nested form, where s and 1 - s raise the degree by one.
+    /// Bernstein coefficients by Horner's rule for the nested form. Each factor s or 1 - s raises the degree by one.
     fn bernstein<const L: usize>(&self, components: [usize; L]) -> SideBySide<L> {
         let mut b = [[0.0; L]; TERMS + 1];
         for count in 1..TERMS + 1 {
@@ -93,12 +94,12 @@ impl<const N: usize> Dense<N> {
     }
 }
 
-/// Components of an interpolant by their Bernstein coefficients on the whole step.
+/// Components of an interpolant, as Bernstein coefficients on the whole step.
 #[derive(Clone, Copy, Debug)]
 pub struct BoundedComponents<const L: usize>(SideBySide<L>);
 
 impl<const L: usize> BoundedComponents<L> {
-    /// Bounds of the components, and of their derivatives with respect to s, between the parts a < b of the step.
+    /// Bounds of the components and of their derivatives by s, on the interval a < b of the step.
     pub fn enclosures(&self, [a, b]: [f64; 2]) -> [Enclosure; L] {
         let mut c = self.0;
         if b < 1.0 {
@@ -115,16 +116,16 @@ impl<const L: usize> BoundedComponents<L> {
     }
 }
 
-/// The search for a passage of 0 from below, from left to right.
+/// Search for a passage of 0 from below, from left to right.
 struct Search {
-    /// Below this, coefficients are rounding.
+    /// Limit below which coefficients are rounding errors.
     noise: f64,
-    /// Whether the polynomial was below 0 where it last was not 0.
+    /// Whether the polynomial was < 0 where it was last different from 0.
     below: bool,
 }
 
 impl Search {
-    /// The first passage in the part [a, a + width] with coefficients b.
+    /// The first passage in the interval [a, a + width] with coefficients b.
     fn part(&mut self, b: &Coefficients, a: f64, width: f64, depth: u32) -> Option<f64> {
         let (mut least, mut most, mut changes) = (0.0_f64, 0.0_f64, 0);
         let (mut first, mut last) = (0.0, 0.0);
@@ -151,7 +152,7 @@ impl Search {
             return None;
         }
         if self.below && first > 0.0 {
-            // The passage fell between two parts, in rounding.
+            // The passage is between two parts, within the rounding error.
             self.below = false;
             return Some(a);
         }
@@ -165,7 +166,7 @@ impl Search {
     }
 }
 
-/// Coefficients before and behind a part of the interval: de Casteljau.
+/// Coefficients before and after a part of the interval, by de Casteljau's algorithm.
 #[inline]
 fn divided<const L: usize>(b: &SideBySide<L>, part: f64) -> (SideBySide<L>, SideBySide<L>) {
     let (mut left, mut right) = (*b, *b);
@@ -178,7 +179,7 @@ fn divided<const L: usize>(b: &SideBySide<L>, part: f64) -> (SideBySide<L>, Side
     (left, right)
 }
 
-/// The least interval around the numbers of each polynomial.
+/// The smallest interval that contains the numbers of each polynomial.
 #[inline]
 fn ranges<const L: usize>(numbers: &[[f64; L]]) -> [Interval; L] {
     let (mut low, mut high) = ([f64::INFINITY; L], [f64::NEG_INFINITY; L]);
@@ -189,7 +190,7 @@ fn ranges<const L: usize>(numbers: &[[f64; L]]) -> [Interval; L] {
     std::array::from_fn(|l| Interval { low: low[l], high: high[l] })
 }
 
-/// Coefficients on the two halves of the interval: de Casteljau.
+/// Coefficients on the two halves of the interval, by de Casteljau's algorithm.
 fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     let (mut left, mut right) = (*b, *b);
     for count in (1..TERMS + 1).rev() {
@@ -201,8 +202,7 @@ fn halves(b: &Coefficients) -> (Coefficients, Coefficients) {
     (left, right)
 }
 
-/// The one root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois, kept between
-/// bounds.
+/// The root in (0, 1] of a polynomial whose coefficients change sign once, from below: Illinois method within bounds.
 fn root(b: &Coefficients) -> f64 {
     let at = |s: f64| {
         let mut b = *b;
@@ -215,11 +215,11 @@ fn root(b: &Coefficients) -> f64 {
     };
     let (mut low, mut high) = (0.0, 1.0);
     let (mut below, mut above) = (b[0], b[TERMS]);
-    // Bounds replaced in a row: low ones count up, high ones down.
+    // Number of consecutive replacements of the same bound: > 0 for the lower, < 0 for the upper bound.
     let mut run = 0;
     for i in 0..100 {
         let secant = low - below * (high - low) / (above - below);
-        // Every third time in the middle, so that the interval halves whatever the polynomial.
+        // Every third point is in the middle, so that the interval is halved for any polynomial.
         let s = if i % 3 != 2 && secant > low && secant < high { secant } else { 0.5 * (low + high) };
         if s <= low || s >= high || high - low <= f64::EPSILON * high {
             break;
@@ -232,7 +232,7 @@ fn root(b: &Coefficients) -> f64 {
         } else {
             return s;
         }
-        // The bound that stays is given half its value, so that the secant moves it too.
+        // The value at the bound that stays is halved, so that the secant also moves this bound.
         if run > 1 {
             above *= 0.5;
         } else if run < -1 {

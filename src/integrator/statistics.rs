@@ -2,8 +2,8 @@
 
 use crate::codec::record::{Damaged, Record};
 
-/// A method of integration; those that try to reach the end of a span in one cheap step come first, the cheapest of all
-/// before.
+/// An integration method. The methods that try to reach the end of a span in one cheap step are the first, in the order
+/// of their cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// Explicit Runge-Kutta of order 4, the classical one.
@@ -28,10 +28,10 @@ impl Method {
         ["RK4", "DOPRI5", "DOP853", "RKN8(6)", "Radau IIA"][self as usize]
     }
 
-    /// Written or read.
+    /// Writes or reads the method.
     ///
     /// # Errors
-    /// There is no such method.
+    /// The method that was read does not exist.
     pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let mut index = *self as u8;
         record.choice("method", &mut index, Self::ALL.len())?;
@@ -45,7 +45,7 @@ impl Method {
 pub struct Statistics {
     /// Evaluations of the right-hand side.
     pub evaluations: u64,
-    /// Accepted steps, by whatever method; the rigid-link formulation counts those of Newmark's method here.
+    /// Accepted steps of all methods. The rigid-link formulation counts steps of Newmark's method here.
     pub accepted: u64,
     /// Rejected steps.
     pub rejected: u64,
@@ -53,7 +53,7 @@ pub struct Statistics {
     pub jacobians: u64,
     /// Iterations of Newton's method.
     pub newton_iterations: u64,
-    /// Accepted steps by method, as [`Method::ALL`].
+    /// Accepted steps by method, in the order of [`Method::ALL`].
     pub by_method: [u64; Method::ALL.len()],
 }
 
@@ -63,14 +63,14 @@ impl Statistics {
         self.by_method[method as usize]
     }
 
-    /// Count an accepted step.
+    /// Counts an accepted step.
     #[inline]
     pub(super) fn accept(&mut self, method: Method) {
         self.accepted += 1;
         self.by_method[method as usize] += 1;
     }
 
-    /// Add the work of another integration.
+    /// Adds the work of another integration.
     pub(super) fn add(&mut self, other: &Self) {
         let Self { evaluations, accepted, rejected, jacobians, newton_iterations, by_method } = other;
         self.evaluations += evaluations;
@@ -80,10 +80,10 @@ impl Statistics {
         self.by_method.iter_mut().zip(by_method).for_each(|(own, other)| *own += other);
     }
 
-    /// All fields, written or read.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A count near overflow is read.
+    /// A counter that was read is near overflow.
     pub(super) fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         let Self { evaluations, accepted, rejected, jacobians, newton_iterations, by_method } = self;
         let counts = [evaluations, accepted, rejected, jacobians, newton_iterations];

@@ -1,4 +1,4 @@
-//! One accepted step, whatever the method.
+//! One accepted step of any method.
 use super::methods::{dop853::Dop853, dopri5::Dopri5, radau::Radau, rk4::Rk4, rkn86::Rkn86};
 use super::pair::{Outcome, Path, Start};
 use super::{Dense, Method, System};
@@ -16,12 +16,12 @@ pub struct Step<const N: usize> {
     pub start: [f64; N],
     /// State at the end.
     pub end: [f64; N],
-    /// Rounding that the sums up to the start have lost.
+    /// Sum of the rounding errors of the sums up to the start (compensation).
     pub(super) carry: [f64; N],
     pub(super) stages: Stages<N>,
 }
 
-/// Stages of a step: what the interpolant and a shorter step from the same start need.
+/// Stages of a step, for the interpolant and for a shorter step from the same start.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stages<const N: usize> {
     Rk4(Rk4<N>),
@@ -31,7 +31,7 @@ pub enum Stages<const N: usize> {
     Radau(Radau<N>),
 }
 
-/// The same expression for the stages of whatever method.
+/// The same expression for the stages of any method.
 macro_rules! on_stages {
     ($step:expr, $stages:ident => $result:expr) => {
         match &$step.stages {
@@ -44,7 +44,7 @@ macro_rules! on_stages {
     };
 }
 
-/// Why a system has no stages but those of the methods that it is given to: nothing is compiled for the others.
+/// Message for stages of a method that a system does not use. The code of such a method is not compiled for the system.
 pub(super) const FOREIGN: &str = "a step by a method that suits its system";
 
 macro_rules! into_stages {
@@ -60,7 +60,7 @@ macro_rules! into_stages {
 into_stages!(Rk4: Rk4<N>, Dopri5: Dopri5<N>, Dop853: Dop853<N>, Rkn86: Rkn86, Radau: Radau<N>);
 
 impl<const N: usize> Step<N> {
-    /// The step of size h from `start`; `reached`: whether it ends at the end of the span.
+    /// The step of size h from `start`. `reached`: whether the step ends at the end of the span.
     #[inline]
     pub(super) fn new<P: Into<Stages<N>>>(start: &Start<N>, h: f64, reached: bool, outcome: Outcome<P, N>) -> Self {
         let &Start { t, y, carry, .. } = start;
@@ -83,21 +83,21 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => stages.first(&self.start))
     }
 
-    /// Rates at the start and at the end, of an explicit step of a system of first order.
+    /// Rates at the start and at the end of an explicit step of a first-order system.
     #[inline]
     pub fn rates(&self) -> Option<[&[f64; N]; 2]> {
         on_stages!(self, stages => stages.rates())
     }
 
-    /// Largest distance of component n, within the step, from the range of its start and its end. It is an estimate
-    /// with a margin, as the rates are known at the stages only; infinite where it is unknown and the interpolant costs
-    /// nothing.
+    /// Largest distance of component n, within the step, from the range between its values at start and end. This is an
+    /// estimate with a margin, because the rates are known only at the stages. Infinite if unknown, where the
+    /// interpolant needs no evaluation.
     #[inline]
     pub fn bulge(&self, n: usize) -> f64 {
         on_stages!(self, stages => stages.bulge(n, self.h, [&self.start, &self.end]))
     }
 
-    /// Evaluations of [`Self::dense`].
+    /// Number of evaluations of [`Self::dense`].
     pub fn dense_evaluations(&self) -> u64 {
         on_stages!(self, stages => Path::<N>::dense_evaluations(stages))
     }
@@ -107,8 +107,8 @@ impl<const N: usize> Step<N> {
         on_stages!(self, stages => Path::<N>::interpolates(stages))
     }
 
-    /// Interpolant over this step: of order 7 after DOP853, for three evaluations, and after RKN8(6), for four; of
-    /// order 4 after DOPRI5; of order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
+    /// Interpolant over this step. Order 7 with three evaluations after DOP853, and with four after RKN8(6). Order 4
+    /// after DOPRI5. Order 3 after RK4 (Hermite's cubic) and after Radau (the collocation polynomial).
     pub fn dense<S: System<N>>(&self, system: &mut S) -> Dense<N> {
         let (t, h, ends) = (self.t, self.h, [&self.start, &self.end]);
         match &self.stages {

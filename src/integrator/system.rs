@@ -1,52 +1,53 @@
-//! What is integrated, and why an integration stops.
-/// A first-order system with the error weights of its components. f must be smooth: who has kinks ends a step at each.
+//! The interface of a system to the integration, and the error of an integration.
+/// A first-order system with the error weights of its components. f must be smooth: a step must end at each kink of f.
 pub trait System<const N: usize> {
-    /// Whether df/dy can have eigenvalues far in the left half-plane. Only then does the integration look for stiffness
-    /// and ask for the Jacobian.
+    /// Whether df/dy can have eigenvalues far in the left half-plane. Only then does the integration check for
+    /// stiffness and use the Jacobian.
     const CAN_BE_STIFF: bool = false;
 
-    /// Whether y = (q, q') with q'' = f(t, q): the force does not depend on the speed.
+    /// Whether y = (q, q') with q'' = f(t, q), so that the force does not depend on the speed.
     const SECOND_ORDER: bool = false;
 
-    /// Number of leading components on which f depends. The components after these are integrals beside the motion:
-    /// stages leave them as they are at the start of a step, and the scale is to give them no weight in its error.
+    /// Number of leading components on which f depends. The other components are integrals. Stages leave them at their
+    /// values at the start of a step, and [`Self::scale`] should give them no weight in the error.
     const LEADING: usize = N;
 
-    /// Number of leading components on which f depends where only the system at hand knows it: at most
-    /// [`Self::LEADING`]. Linear systems of implicit steps have so many unknowns.
+    /// Number of leading components on which f depends, if only the present system determines it: at most
+    /// [`Self::LEADING`]. This is the number of unknowns in the linear systems of implicit steps.
     #[inline]
     fn leading_components(&self) -> usize {
         Self::LEADING
     }
 
-    /// f(t, y); t is counted from the start of the span [s].
+    /// f(t, y). The time t [s] is measured from the start of the span.
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N];
 
-    /// f(t, y), of which only the leading components are read.
+    /// f(t, y), of which only the leading components are used.
     #[inline]
     fn leading(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
         self.derivative(t, y)
     }
 
-    /// q'' where q is `way` on from that of y, of a system of second order.
+    /// q'' of a second-order system, at the position q of y plus `displacement`.
     #[inline]
-    fn acceleration(&mut self, t: f64, y: &[f64; N], way: f64) -> f64 {
+    fn acceleration(&mut self, t: f64, y: &[f64; N], displacement: f64) -> f64 {
         let mut at = *y;
-        at[0] += way;
+        at[0] += displacement;
         self.derivative(t, &at)[1]
     }
 
-    /// Size of each component, to which the relative tolerance applies; positive. `f` is f(t, y).
+    /// Scale > 0 of each component, to which the relative tolerance applies. `f` is f(t, y).
     fn scale(&mut self, y: &[f64; N], f: &[f64; N]) -> [f64; N];
 
-    /// Whether a step may end at y: a step to a state where f has no meaning was too long, whatever its error estimate.
+    /// Whether a step may end at y. A step to a state where f is not defined was too long, regardless of its error
+    /// estimate.
     #[inline]
     fn admits(&mut self, _y: &[f64; N]) -> bool {
         true
     }
 
-    /// df/dy: row i is the gradient of f_i. By default from one-sided differences; a system that can be stiff should
-    /// know better, as Newton's method converges the faster the more exact this is.
+    /// df/dy: row i is the gradient of f_i. The default uses one-sided differences. A system that can be stiff should
+    /// return exact derivatives, with which Newton's method converges faster.
     fn jacobian(&mut self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
         differences(self, t, y, 0..N)
     }
@@ -63,10 +64,10 @@ pub fn differences<S: System<N> + ?Sized, const N: usize>(
     let scale = system.scale(y, &f);
     let mut rows = [[0.0; N]; N];
     for j in components {
-        let mut beside = *y;
-        beside[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
-        let width = beside[j] - y[j];
-        let g = system.derivative(t, &beside);
+        let mut shifted = *y;
+        shifted[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
+        let width = shifted[j] - y[j];
+        let g = system.derivative(t, &shifted);
         for (row, (g, f)) in rows.iter_mut().zip(g.iter().zip(&f)) {
             row[j] = (g - f) / width;
         }
@@ -74,10 +75,10 @@ pub fn differences<S: System<N> + ?Sized, const N: usize>(
     rows
 }
 
-/// Why an integration stopped.
+/// Reason why an integration stopped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum IntegrationError {
-    /// No step above the round-off of time meets the tolerance.
+    /// No step above the rounding error of time meets the tolerance.
     StepTooSmall {
         /// Time since the start of the span [s].
         t: f64,

@@ -1,9 +1,10 @@
-//! A continuous function that is 0 at given places and changes its sign there, for a solver that looks for them.
+//! A continuous function that is 0 at given points and changes its sign there, for a solver that searches for roots.
 //!
-//! In: the places, ascending. Out: the function, with the slope 1 or -1 at each place. It must not know what is there.
+//! In: the points, ascending. Out: the function, with the slope 1 or -1 at each point. Must not know: what the points
+//! are.
 
-/// (x - a) (b - x) / (b - a) between two neighbouring places a < b, with a sign that changes at each; beyond the first
-/// and the last the distance from it. Positive before the first place; 1 without places.
+/// (x - a) (b - x) / (b - a) between two neighbouring points a < b, with a sign that changes at each point. Outside the
+/// points: the distance from the first or last point. Positive before the first point; 1 without points.
 pub fn alternating(places: &[f64], x: f64) -> f64 {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return 1.0 };
     let passed = places.partition_point(|place| *place <= x);
@@ -15,7 +16,7 @@ pub fn alternating(places: &[f64], x: f64) -> f64 {
     signed(size, passed as f64)
 }
 
-/// [`alternating`] with the places and all those a multiple of `period` away; the places are within one period.
+/// [`alternating`] for points that repeat with `period`. The given points are within one period.
 pub fn alternating_periodic(places: &[f64], x: f64, period: f64) -> f64 {
     let (Some(first), Some(last)) = (places.first(), places.last()) else { return 1.0 };
     let periods = ((x - first) / period).floor();
@@ -29,7 +30,7 @@ fn between([a, b]: [f64; 2], x: f64) -> f64 {
     ((x - a) * (b - x) / (b - a)).max(0.0)
 }
 
-/// A size with the sign after so many changes.
+/// `size` with its sign after this number of sign changes.
 fn signed(size: f64, changes: f64) -> f64 {
     if changes.rem_euclid(2.0) == 0.0 { size } else { -size }
 }

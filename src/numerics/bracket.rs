@@ -1,13 +1,13 @@
-//! Searches for the point where a function of one number passes a border, between two points on either side of it.
+//! Search for the point at which a function of one number crosses 0, between two points on either side.
 //!
-//! In: a function, a bracket or a sampled interval. Out: the border within rounding or a given distance. It must not
-//! know what the function means.
+//! In: a function, a bracket or a sampled interval. Out: the root within rounding errors or a given distance. Must not
+//! know: what the function means.
 
-/// Halvings after which a bracket of width 1 is below rounding.
+/// Number of bisections after which a bracket of width 1 is below the rounding error.
 const HALVINGS: usize = 60;
 
-/// The bracket of the border of a predicate that is false at `a` and true at `b`, halved until it is two neighbouring
-/// numbers or 2^-60 of its width: the last point where the predicate is false and the first where it is true.
+/// Bisection of a predicate that is false at `a` and true at `b`. Returns the last point where the predicate is false
+/// and the first point where it is true: neighbouring numbers, or 2^-60 of the width apart.
 pub fn bisect(mut is_beyond: impl FnMut(f64) -> bool, mut a: f64, mut b: f64) -> [f64; 2] {
     for _ in 0..HALVINGS {
         let middle = 0.5 * (a + b);
@@ -16,11 +16,11 @@ pub fn bisect(mut is_beyond: impl FnMut(f64) -> bool, mut a: f64, mut b: f64) ->
     [a, b]
 }
 
-/// The point where f passes from <= 0 at a to > 0 at b, on the far side of its root and within `close` of it. `a` and
-/// `b` are points with the values of f there.
+/// The point where f changes from <= 0 at a to > 0 at b. At the returned point f is > 0, and the root is at most
+/// `close` away. `a` and `b` are points with the values of f.
 ///
-/// Method: false position after Anderson and Bjoerck (BIT 13 (1973), 253). Trial points keep half of `close` off either
-/// end, so that the other side of the root is met too; the bracket is halved where false position is slow.
+/// Method: false position after Anderson and Bjoerck (BIT 13 (1973), 253). Trial points have a distance of at least
+/// `close` / 2 from both ends, so that both sides of the root are found. Slow false position is replaced by bisection.
 #[inline]
 pub fn false_position(
     mut f: impl FnMut(f64) -> f64,
@@ -39,7 +39,7 @@ pub fn false_position(
         let c = if halve || !(a < secant && secant < b) { 0.5 * (a + b) } else { secant };
         let f_c = f(c);
         if f_c > 0.0 {
-            // The value at an end that stays for the second time is reduced, so that the secant moves it too.
+            // The value at an end that stays a second time is reduced, so that the secant also moves this end.
             f_a *= if last_sign > 0.0 { weight(f_c / f_b) } else { 1.0 };
             (b, f_b) = (c, f_c);
         } else {
@@ -51,11 +51,12 @@ pub fn false_position(
     b
 }
 
-/// The first point of (0, 1] where f passes from <= 0 to > 0, within `close` beyond its root. f is sampled at so many
-/// equal parts: a passage there and back between two samples is not seen. A value > 0 at 0 counts as rounding.
+/// The first point of (0, 1] where f changes from <= 0 to > 0, at most `close` after its root. f is evaluated at the
+/// ends of `samples` equal parts. Two sign changes between neighbouring samples are not found. A value > 0 at 0 counts
+/// as a rounding error.
 ///
 /// # Errors
-/// f has no value at a sample. Between two samples, a point without a value counts as one that is not beyond.
+/// f has no value at a sample. Between two samples, a point without a value counts as <= 0.
 pub fn first_rise<E>(mut f: impl FnMut(f64) -> Result<f64, E>, samples: usize, close: f64) -> Result<Option<f64>, E> {
     let (mut a, mut f_a) = (0.0, f(0.0)?.min(0.0));
     for i in 1..=samples {

@@ -1,7 +1,6 @@
-//! Polynomials side by side, in rows of [`ROW`] that a processor evaluates at once.
+//! Polynomials side by side, in rows of [`ROW`] functions that a processor evaluates at once.
 //!
-//! In: monomial coefficients. Out: rows of coefficients, their sums and values. It must not know what the functions
-//! mean.
+//! In: monomial coefficients. Out: rows of coefficients, their sums and values. Must not know: what the functions mean.
 use super::chebyshev::{NODES, Series};
 use super::dual::Number;
 use super::processor::{self, Arithmetic, Task};
@@ -10,13 +9,13 @@ use super::table::Table;
 /// Number of functions in a row.
 pub const ROW: usize = 4;
 
-/// Monomial coefficients of [`ROW`] functions, power by power; aligned to lines of the cache.
+/// Monomial coefficients of [`ROW`] functions, power by power, aligned to cache lines.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Row([[f64; ROW]; NODES]);
 
 impl Row {
-    /// Coefficients of [`ROW`] functions that vanish.
+    /// Coefficients of [`ROW`] functions that are 0.
     pub const ZERO: Self = Self([[0.0; ROW]; NODES]);
 
     /// Coefficients of these functions.
@@ -25,7 +24,7 @@ impl Row {
         Self(std::array::from_fn(|power| functions.map(|series| series[power])))
     }
 
-    /// Add `size` times other functions.
+    /// Adds `size` times other functions.
     #[inline]
     pub fn add(&mut self, size: f64, row: &Self) {
         for (sum, c) in self.0.as_flattened_mut().iter_mut().zip(row.0.as_flattened()) {
@@ -34,7 +33,7 @@ impl Row {
     }
 }
 
-/// Functions of a table side by side, panel by panel; zeros fill the last row of a panel.
+/// Functions of a table side by side, panel by panel. The last row of a panel is padded with zeros.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bundle {
     /// Number of rows of a panel.
@@ -43,7 +42,7 @@ pub struct Bundle {
 }
 
 impl Bundle {
-    /// Side by side, the functions that are these components of a table.
+    /// The functions with these component indices of a table, side by side.
     pub fn new(table: &Table, components: impl Iterator<Item = usize> + Clone) -> Self {
         let mut coefficients = Vec::new();
         for panel in 0..table.panels() {
@@ -64,7 +63,7 @@ impl Bundle {
     }
 }
 
-/// Append the coefficients of functions on one panel, side by side, to `out`.
+/// Appends the coefficients of functions on one panel, side by side, to `out`.
 pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &mut Vec<Row>) {
     for (i, series) in functions.into_iter().enumerate() {
         if i % ROW == 0 {
@@ -78,7 +77,7 @@ pub fn side_by_side<'a>(functions: impl IntoIterator<Item = &'a Series>, out: &m
     }
 }
 
-/// Add `size` times the functions in `rows` to `sums`, which is empty or has as many.
+/// Adds `size` times the functions in `rows` to `sums`, which is empty or has the same number of rows.
 pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     if sums.is_empty() {
         sums.extend(rows.iter().map(|row| Row(row.0.map(|power| power.map(|c| size * c)))));
@@ -87,13 +86,13 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     sums.iter_mut().zip(rows).for_each(|(sum, row)| sum.add(size, row));
 }
 
-/// Make rows the sums of others, each times a size: a term has as many rows.
+/// Sets `sums` to the sum of the terms, each a size times as many rows.
 #[inline]
 pub fn sum_rows<'a>(sums: &mut [Row], terms: impl Iterator<Item = (f64, &'a [Row])>) {
     processor::run(Sum { sums, terms });
 }
 
-/// Rows to sum up.
+/// Terms to sum.
 struct Sum<'s, I> {
     sums: &'s mut [Row],
     terms: I,
@@ -115,19 +114,19 @@ impl<'a, I: Iterator<Item = (f64, &'a [Row])>> Task for Sum<'_, I> {
     }
 }
 
-/// Values of functions side by side at x, with derivatives if x carries some.
+/// Values of functions side by side at x. If x carries derivatives, the values do too.
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
     each_at(rows, [x; ROW], values);
 }
 
-/// [`side_by_side_at`] with an x for each function of a row.
+/// [`side_by_side_at`] with a separate x for each function of a row.
 #[inline]
 pub fn each_at<T: Number>(rows: &[Row], x: [T; ROW], values: &mut [[T; ROW]]) {
     processor::run(Evaluation { rows, x, values });
 }
 
-/// Rows to evaluate, each function of a row at its x.
+/// Rows to evaluate, with the x of each function of a row.
 struct Evaluation<'a, T> {
     rows: &'a [Row],
     x: [T; ROW],
@@ -143,8 +142,8 @@ impl<T: Number> Task for Evaluation<'_, T> {
     }
 }
 
-/// Sums over terms of P rows each, of which the functions are evaluated each at its x: the values of the rows of
-/// `leading` and those of each term times its size.
+/// Sum over terms of P rows each: the values of `leading`, plus the values of each term times its size. Each function
+/// of a row has its x.
 #[inline]
 pub fn sum_at<T: Number, const P: usize>(
     leading: &[Row],
@@ -155,7 +154,7 @@ pub fn sum_at<T: Number, const P: usize>(
     processor::run(Terms { leading, terms, sizes, x })
 }
 
-/// Terms to sum up: rows of the leading one, rows of all others with the number of rows of each, their sizes.
+/// Terms to sum: rows of the leading term, rows of all other terms with the number of rows of each, their sizes.
 struct Terms<'a, T, const P: usize> {
     leading: &'a [Row],
     terms: (&'a [Row], usize),
@@ -194,7 +193,7 @@ fn row_at<A: Arithmetic, T: Number>(row: &Row, x: &[T; ROW]) -> [T; ROW] {
     std::array::from_fn(|i| x[i].compose([values[i], first[i], second[i]]))
 }
 
-/// a x + b, number by number.
+/// a x + b, element by element.
 #[inline(always)]
 fn multiply_add<A: Arithmetic>(a: &[f64; ROW], x: &[f64; ROW], b: &[f64; ROW]) -> [f64; ROW] {
     std::array::from_fn(|i| A::multiply_add(a[i], x[i], b[i]))
@@ -229,7 +228,7 @@ fn curvatures<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
     derivatives::<A>(row, x, 2, |k| (k * (k - 1)) as f64)
 }
 
-/// Derivatives of this order at x; `factor`: that of x^k.
+/// Derivatives of this order at x. `factor`: coefficient of this derivative of x^k.
 #[inline(always)]
 fn derivatives<A: Arithmetic>(row: &Row, x: &[f64; ROW], order: usize, factor: impl Fn(usize) -> f64) -> [f64; ROW] {
     let mut sums = [0.0; ROW];
@@ -266,7 +265,7 @@ mod tests {
     }
 
     proptest! {
-        /// Functions of a row that are read at x of their own have the bits that they have at one x.
+        /// A function of a row that is evaluated at its own x has the same bits as in an evaluation at one common x.
         #[test]
         fn each_function_has_its_own_x(x in proptest::array::uniform4(-1.0..1.0f64),
             c in proptest::array::uniform16(-1.0..1.0f64)) {
@@ -283,7 +282,7 @@ mod tests {
     }
 
     proptest! {
-        /// A sum of functions has the sum of their values, whatever the rows had before.
+        /// The value of a sum of functions is the sum of their values, whatever the previous contents of the rows.
         #[test]
         fn sums_of_rows_have_the_sums_of_values(sizes in proptest::array::uniform2(-9.0..9.0f64),
             c in proptest::array::uniform16(-1.0..1.0f64), x in -1.0..1.0f64) {
@@ -301,8 +300,8 @@ mod tests {
     }
 
     proptest! {
-        /// Both arithmetics agree to rounding in values and derivatives, and this processor computes one of them to the
-        /// bit.
+        /// Both arithmetics agree to rounding errors in values and derivatives, and this processor gives exactly one of
+        /// them.
         #[test]
         fn fused_and_separate_differ_by_rounding(x in -1.0..1.0f64, c in proptest::array::uniform16(-1.0..1.0f64)) {
             let mut rows = Vec::new();

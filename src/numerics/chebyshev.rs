@@ -1,7 +1,7 @@
 //! Chebyshev series of one fixed length.
 //!
-//! In: values at the Gauss nodes of [-1, 1]. Out: Chebyshev coefficients, monomial coefficients, values. It must not
-//! know what the functions mean.
+//! In: values at the Gauss nodes of [-1, 1]. Out: Chebyshev coefficients, monomial coefficients, values. Must not know:
+//! what the functions mean.
 //! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 2, 3 and 19.
 use std::f64::consts::PI;
 
@@ -16,7 +16,7 @@ pub type Series = [f64; NODES];
 pub struct Transform {
     /// Gauss nodes x_j = -cos(pi (j + 1/2) / NODES), ascending.
     pub nodes: [f64; NODES],
-    /// T_k(x_j) in row j, for the nodes below 0; the others follow from T_k(-x) = (-1)^k T_k(x).
+    /// T_k(x_j) in row j, for the nodes below 0. The others follow from T_k(-x) = (-1)^k T_k(x).
     basis: [[f64; NODES]; NODES / 2],
 }
 
@@ -68,7 +68,7 @@ const MONOMIALS: [[f64; NODES]; NODES] = {
     rows
 };
 
-/// [`MONOMIALS`] by pairs of an even and an odd k: T_k has the powers of the parity of k only.
+/// [`MONOMIALS`] by pairs of an even and an odd k: T_k contains only powers with the parity of k.
 const PAIRS: [[f64; NODES]; NODES / 2] = {
     let mut rows = [[0.0; NODES]; NODES / 2];
     let mut i = 0;
@@ -132,7 +132,7 @@ pub fn slopes_of(c: &Series) -> Series {
     slopes
 }
 
-/// Monomial coefficients of c(middle + half x), by Horner's scheme with polynomials for values.
+/// Monomial coefficients of c(middle + half x), by Horner's scheme with polynomials as values.
 pub fn composed(c: &Series, middle: f64, half: f64) -> Series {
     let mut out = [0.0; NODES];
     for c in c.iter().rev() {
@@ -148,8 +148,8 @@ pub fn tail(series: &Series) -> f64 {
     series[NODES - 3..].iter().fold(0.0, |a: f64, c| a.max(c.abs()))
 }
 
-/// The series without its last coefficients of the size of the tail: they are rounding, which differentiation
-/// amplifies.
+/// The series without its last coefficients of the size of the tail. These are rounding errors, which differentiation
+/// would amplify.
 pub fn chopped(series: &Series) -> Series {
     const PLATEAU: f64 = 4.0;
     let level = PLATEAU * tail(series);
@@ -191,7 +191,7 @@ mod tests {
 
     #[test]
     fn derivative_of_a_sine_is_a_cosine() {
-        // T_k has the slope k^2 at the ends, by which it amplifies the rounding of its coefficient: twice a mean of
+        // T_k has the slope k^2 at the ends, which amplifies the rounding error of its coefficient: twice a mean of
         // values.
         let allowed = (0..NODES).map(|k| (k * k) as f64).sum::<f64>() * 2.0 * f64::EPSILON;
         let d = slopes_of(&monomials(&fitted(f64::sin)));
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn chopping_takes_the_rounding_off_a_straight_line() {
+    fn chopping_removes_rounding_errors_from_a_straight_line() {
         let noisy: Series =
             std::array::from_fn(|k| [2.0, 1.0].get(k).copied().unwrap_or(1e-14 * (1.0 + k as f64).sin()));
         let line = chopped(&noisy);

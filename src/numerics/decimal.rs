@@ -1,12 +1,12 @@
 //! Numbers in messages.
 use std::fmt;
 
-/// A number in a message: the shortest decimal that reads back as the number, with an exponent instead of many zeros.
+/// A number in a message: the shortest decimal that gives the same double, with an exponent instead of many zeros.
 #[derive(Clone, Copy, Debug)]
 pub struct Decimal(pub f64);
 
 impl Decimal {
-    /// The number rounded to ten digits, for a value of that accuracy.
+    /// The number rounded to ten digits, for values with that accuracy.
     pub fn rounded(value: f64) -> Self {
         Self(format!("{value:.9e}").parse().unwrap_or(value))
     }
@@ -24,7 +24,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn zeros_are_counted_not_written() {
+    fn small_and_large_numbers_have_an_exponent() {
         for (value, text) in [
             (0.0, "0"),
             (-1.0, "-1"),

@@ -1,6 +1,6 @@
 //! Numbers with or without derivatives.
 //!
-//! In: a formula generic over [`Number`]. Out: its values, with exact derivatives or without. It must not know the
+//! In: a formula generic over [`Number`]. Out: its values, with or without exact derivatives. Must not know: the
 //! formula.
 use std::fmt::Debug;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -18,7 +18,7 @@ pub trait Number:
 {
     /// Whether the type carries derivatives.
     const CARRIES: bool;
-    /// Whether the type carries derivatives of derivatives, so that a function's second derivative counts.
+    /// Whether the type carries derivatives of derivatives, so that the second derivative of a function is needed.
     const CARRIES_SECOND: bool = false;
     /// A constant.
     fn constant(value: f64) -> Self;
@@ -26,11 +26,11 @@ pub trait Number:
     fn value(self) -> f64;
     /// Whether all derivatives are 0.
     fn is_constant(self) -> bool;
-    /// Square root, for a value >= 0; at 0 without derivatives.
+    /// Square root of a value >= 0. At 0, the derivatives of the result are 0.
     fn sqrt(self) -> Self;
-    /// A linear function of this number, given its value and its derivative.
+    /// A linear function of this number, from its value and its derivative.
     fn chain(self, value: f64, derivative: f64) -> Self;
-    /// A function of this number, given its value and its first and second derivative.
+    /// A function of this number, from its value and its first and second derivative.
     #[inline]
     fn compose(self, [value, first, _]: [f64; 3]) -> Self {
         self.chain(value, first)
@@ -43,12 +43,12 @@ pub trait Number:
         self.compose([x.powi(n), order * x.powi(n - 1), second])
     }
 
-    /// Length of the vector (self, other); at length 0 without derivatives.
+    /// Length of the vector (self, other). At length 0, the derivatives of the result are 0.
     #[inline]
     fn hypot(self, other: Self) -> Self {
         let (x, y) = (self.value(), other.value());
         let square = x * x + y * y;
-        // Where the squares leave the range of numbers, the slower way.
+        // The slower function is needed if the squares overflow or underflow.
         let length = if square.is_normal() { square.sqrt() } else { x.hypot(y) };
         let inverse = if length > 0.0 { 1.0 / length } else { 0.0 };
         self.chain(length, x * inverse) + other.chain(0.0, y * inverse)
@@ -115,7 +115,7 @@ impl<const N: usize> Sub for Dual<N> {
 
 impl<const N: usize> Mul for Dual<N> {
     type Output = Self;
-    // The product rule has a sum.
+    // The product rule contains a sum.
     #[allow(clippy::suspicious_arithmetic_impl)]
     #[inline]
     fn mul(self, other: Self) -> Self {
@@ -134,7 +134,7 @@ impl<const N: usize> Mul<f64> for Dual<N> {
 
 impl<const N: usize> Div for Dual<N> {
     type Output = Self;
-    // The quotient rule has a difference.
+    // The quotient rule contains a difference.
     #[allow(clippy::suspicious_arithmetic_impl)]
     #[inline]
     fn div(self, other: Self) -> Self {
@@ -177,7 +177,7 @@ impl<const N: usize> Number for Dual<N> {
 }
 
 /// A value with its derivative along sigma, both with derivatives along a direction of state and inputs. Such numbers
-/// are seldom asked for: their operations are calls, not copies of their code.
+/// are rarely needed, so their operations are not inlined.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Nested {
     /// Value.
@@ -276,19 +276,19 @@ impl Number for Nested {
     }
 }
 
-/// A number of which a derivative along sigma, beside sigma_dot or the number's own derivatives, can be taken.
+/// A number for which the derivative along sigma can be computed, in addition to the derivatives that it carries.
 pub trait Differentiable: Number {
     /// This number with derivatives along sigma.
     type Along: Number;
-    /// A number that does not change along sigma.
+    /// A number that is constant along sigma.
     fn held(self) -> Self::Along;
-    /// sigma itself.
+    /// The number as sigma itself.
     fn varied(self) -> Self::Along;
     /// Derivative along sigma.
     fn slope_of(number: Self::Along) -> Self;
 }
 
-/// The second derivative of [`Dual<2>`] is along sigma_dot.
+/// The second derivative of [`Dual<2>`] is the derivative by sigma_dot.
 impl Differentiable for f64 {
     type Along = Dual<2>;
 
@@ -346,8 +346,8 @@ mod tests {
         let zero = (x * 0.0).hypot(y * 0.0);
         assert!(zero.is_constant() && zero.value == 0.0);
     }
-    /// f(x, y) = (x^2 y / (1 + y^2))^(1/2) + hypot(x^3, y): its derivatives by x, and those of them by y, from
-    /// differences of the first derivatives.
+    /// f(x, y) = (x^2 y / (1 + y^2))^(1/2) + hypot(x^3, y): derivatives by x, and the derivatives of these by y,
+    /// compared with differences of the first derivatives.
     #[test]
     fn nested_numbers_carry_second_derivatives() {
         fn f<T: Number>(x: T, y: T) -> T {

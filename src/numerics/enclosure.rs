@@ -1,22 +1,22 @@
-//! Bounds of functions on intervals: what a function cannot exceed there, up to rounding.
+//! Bounds of functions on intervals, up to rounding errors.
 //!
-//! In: bounds of the arguments. Out: bounds of sums, products and polynomials, of their values and of their slopes. It
-//! must not know what the functions mean.
+//! In: bounds of the arguments. Out: bounds of sums, products and polynomials, of their values and slopes. Must not
+//! know: what the functions mean.
 //! Source: Moore, Kearfott, Cloud, Introduction to Interval Analysis (2009), chapters 5 and 6. Arithmetic is not
-//! rounded outward: bounds are those of the exact functions to within rounding.
+//! rounded outward: the bounds of the exact functions have rounding errors.
 use super::chebyshev::{NODES, Series};
 use std::ops::{Add, Mul, Neg};
 
 /// All numbers from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// The least of them.
+    /// The smallest number.
     pub low: f64,
-    /// The largest of them.
+    /// The largest number.
     pub high: f64,
 }
 
-/// Bounds of the values of a function on an interval of its argument, and of its slopes.
+/// Bounds of the values and of the slopes of a function on an interval of its argument.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Enclosure {
     /// Bounds of the values.
@@ -26,7 +26,7 @@ pub struct Enclosure {
 }
 
 impl Interval {
-    /// No further than `radius` from a middle.
+    /// All numbers at most `radius` from `middle`.
     #[inline]
     pub fn around(middle: f64, radius: f64) -> Self {
         Self { low: middle - radius, high: middle + radius }
@@ -37,7 +37,7 @@ impl Interval {
         Self { low: value, high: value }
     }
 
-    /// The smallest interval with all these numbers.
+    /// The smallest interval that contains all these numbers.
     pub fn of(numbers: impl IntoIterator<Item = f64>) -> Self {
         let none = Self { low: f64::INFINITY, high: f64::NEG_INFINITY };
         numbers.into_iter().fold(none, |all, x| Self {
@@ -46,7 +46,7 @@ impl Interval {
         })
     }
 
-    /// The smallest interval with both.
+    /// The smallest interval that contains both intervals.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
@@ -105,7 +105,7 @@ impl Enclosure {
         -(-self).max(-other)
     }
 
-    /// A function of this one, where the values of that function and its derivatives have these bounds.
+    /// A function of this function. The arguments are bounds of the values and of the derivative of the outer function.
     #[inline]
     pub fn chain(self, [value, derivative]: [Interval; 2]) -> Self {
         Self { value, slope: derivative * self.slope }
@@ -149,8 +149,8 @@ impl Mul<f64> for Enclosure {
     }
 }
 
-/// Bounds of a polynomial with monomial coefficients and of its derivative on an interval: Taylor's series about the
-/// middle, term by term.
+/// Bounds of a polynomial with monomial coefficients and of its derivative on an interval, from the terms of Taylor's
+/// series about the middle.
 pub fn polynomial_bounds(c: &Series, x: Interval) -> [Interval; 2] {
     let (middle, radius) = (0.5 * (x.low + x.high), 0.5 * (x.high - x.low));
     let mut taylor = *c;
@@ -185,9 +185,9 @@ mod tests {
     }
 
     proptest! {
-        /// Every value and every slope is within the bounds, of polynomials, products, the larger and the smaller.
+        /// Every value and every slope is within the bounds, for polynomials, products, maximum and minimum.
         #[test]
-        fn nothing_is_beyond_the_bounds(
+        fn all_values_are_within_the_bounds(
             a in proptest::array::uniform16(-1.0..1.0f64),
             b in proptest::array::uniform16(-1.0..1.0f64),
             low in -1.0..0.9f64,

@@ -1,11 +1,11 @@
-//! Polynomials through values that keep away from the middle of an interval.
+//! Polynomials through values outside a gap in the middle of an interval.
 //!
-//! In: values at nodes of [-1, 1] outside a gap round 0. Out: monomial coefficients on [-1, 1]. It must not know what
+//! In: values at nodes of [-1, 1] outside a gap around 0. Out: monomial coefficients on [-1, 1]. Must not know: what
 //! the functions mean.
 //!
-//! With y = x^2, an analytic function is f(x) = even(y) + x odd(y). Both are interpolated at the Gauss nodes of
-//! [GAP^2, 1], on which the nodes +-sqrt(y) lie, and continued to y = 0: there T_7, which is at most 1 on the
-//! nodes, is 2.2.
+//! With y = x^2, an analytic function is f(x) = even(y) + x odd(y). Both parts are interpolated at the Gauss nodes of
+//! [GAP^2, 1], which contains the squares of the nodes +-sqrt(y), and extrapolated to y = 0. At y = 0 the value of T_7,
+//! which is at most 1 on the nodes, is 2.2.
 use super::chebyshev::{NODES, Series};
 use std::f64::consts::PI;
 
@@ -38,9 +38,9 @@ impl Default for Gapped {
 }
 
 impl Gapped {
-    /// Monomial coefficients in x of the function with these values at the nodes, and the largest of the last two
-    /// Chebyshev coefficients of the even and the odd part: truncation or rounding. Coefficients of that size are left
-    /// out, as rounding, which the continuation into the gap and derivatives would amplify.
+    /// Monomial coefficients in x of the function with these values at the nodes, and the tail. The tail is the largest
+    /// of the last two Chebyshev coefficients of the even and the odd part. It is a truncation or rounding error.
+    /// Coefficients of that size are omitted, because extrapolation and differentiation would amplify them.
     pub fn fit(&self, values: &[f64; NODES]) -> (Series, f64) {
         let pair = |k: usize| (values[NODES - 1 - k], values[k]);
         let even = self.part(|k| 0.5 * (pair(k).0 + pair(k).1));
@@ -62,13 +62,13 @@ impl Gapped {
     }
 }
 
-/// Monomial coefficients in y of a Chebyshev series in t = (y - MIDDLE) / RADIUS without the last coefficients up to
-/// `level`, by Clenshaw's recurrence with polynomials for values.
+/// Monomial coefficients in y of a Chebyshev series in t = (y - MIDDLE) / RADIUS, by Clenshaw's recurrence with
+/// polynomials as values. The last coefficients that do not exceed `level` are omitted.
 fn monomials(series: [f64; HALF], level: f64) -> [f64; HALF] {
     let kept = series.iter().rposition(|c| c.abs() > level).map_or(1, |k| k + 1);
     let (mut next, mut after) = ([0.0; HALF], [0.0; HALF]);
     for m in (0..kept).rev() {
-        // c_m + 2 t next - after, or c_0 + t next - after in the end.
+        // c_m + 2 t next - after; for m = 0: c_0 + t next - after.
         let factor = if m == 0 { 1.0 } else { 2.0 } / RADIUS;
         let mut sum: [f64; HALF] = std::array::from_fn(|i| {
             let shifted = if i > 0 { next[i - 1] } else { 0.0 };

@@ -2,13 +2,13 @@
 pub use nalgebra::Complex;
 use std::ops::{Mul, Sub};
 
-/// A number that a linear system can be solved in.
+/// Number type of a linear system.
 pub trait Scalar: Copy + Sub<Output = Self> + Mul<Output = Self> {
     /// The number 0.
     const ZERO: Self;
-    /// A size to choose pivots by: |re| + |im|.
+    /// Size for the choice of pivots: |re| + |im|.
     fn size(self) -> f64;
-    /// The number 1 divided by this one.
+    /// The reciprocal.
     fn inverse(self) -> Self;
 }
 
@@ -27,16 +27,16 @@ impl Scalar for Complex<f64> {
     fn size(self) -> f64 {
         self.re.abs() + self.im.abs()
     }
-    // One division, where the operator of the type takes two.
+    // One division; the operator of the type needs two.
     fn inverse(self) -> Self {
         self.conj().scale(1.0 / self.norm_sqr())
     }
 }
 
-/// A = P^T L U with row interchanges, of a matrix of at most N rows.
+/// A = P^T L U with row interchanges, for a matrix with at most N rows.
 #[derive(Clone, Copy, Debug)]
 pub struct Factors<T, const N: usize> {
-    /// L below the diagonal, U above it, the inverse of the diagonal of U on it; column by column.
+    /// L below the diagonal, U above it, the reciprocals of the diagonal of U on it; column by column.
     columns: [[T; N]; N],
     pivots: [usize; N],
     rows: usize,
@@ -49,8 +49,8 @@ impl<T: Scalar, const N: usize> Default for Factors<T, N> {
 }
 
 impl<T: Scalar, const N: usize> Factors<T, N> {
-    /// Become the factors of a square matrix with so many rows; `entry`: its entry in a row and a column. Returns
-    /// whether there are factors: not if a pivot is 0 or not finite.
+    /// Factorises a square matrix with this number of rows. `entry`: the entry in a row and a column. Returns false if
+    /// a pivot is 0 or not finite.
     pub fn factor(&mut self, rows: usize, entry: impl Fn(usize, usize) -> T) -> bool {
         self.rows = rows;
         for (j, column) in self.columns[..rows].iter_mut().enumerate() {
@@ -59,7 +59,7 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
         self.eliminate()
     }
 
-    /// Gauss elimination in the place of the matrix.
+    /// Gauss elimination in place.
     #[inline(never)]
     fn eliminate(&mut self) -> bool {
         let rows = self.rows;
@@ -91,7 +91,7 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
         true
     }
 
-    /// x with A x = b, in the place of b; the components of b after the rows of A stay as they are.
+    /// Solves A x = b in place. Components of b after the rows of A do not change.
     #[inline(never)]
     pub fn solve(&self, b: &mut [T; N]) {
         let b = &mut b[..self.rows];
@@ -110,7 +110,7 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
         }
     }
 
-    /// Become the same as other factors.
+    /// Copies the factors of `other`.
     pub fn copy_from(&mut self, other: &Self) {
         let rows = other.rows;
         for (own, other) in self.columns.iter_mut().zip(&other.columns[..rows]) {
@@ -120,7 +120,7 @@ impl<T: Scalar, const N: usize> Factors<T, N> {
     }
 }
 
-/// Subtract multiples of component k of a vector from the components after it.
+/// Subtracts multiples of component k of a vector from the components after it.
 #[inline]
 fn subtract<T: Scalar>(vector: &mut [T], k: usize, multiples: &[T]) {
     let (to, below) = vector.split_at_mut(k + 1);
@@ -141,7 +141,7 @@ mod tests {
         factors.factor(N, |i, j| a[i][j]).then_some(factors)
     }
 
-    /// Backward stable: the residual is small whatever the condition.
+    /// Backward stable: the residual is small for any condition number.
     fn is_solved<T: Scalar + Add<Output = T>>(a: [[T; 3]; 3], x: [T; 3], zero: T, rounding: f64) {
         let Some(factors) = factored(a) else { return };
         let b: [T; 3] = std::array::from_fn(|i| (0..3).fold(zero, |sum, j| sum + a[i][j] * x[j]));
@@ -167,9 +167,9 @@ mod tests {
         }
     }
 
-    /// The leading rows of a larger place: a smaller matrix after a larger one, copied too.
+    /// A smaller matrix after a larger one in the same memory, and its copy.
     #[test]
-    fn a_place_holds_smaller_systems() {
+    fn smaller_systems_use_the_same_memory() {
         let mut factors = Factors::<f64, 3>::default();
         assert!(factors.factor(3, |i, j| if i == j { 7.0 } else { 1.0 }));
         assert!(factors.factor(2, |i, j| [[0.0, 2.0], [4.0, 1.0]][i][j]));

@@ -1,8 +1,8 @@
 //! Quadrature with an estimate of its error.
 //!
-//! In: values of a function at seven nodes of an interval. Out: its integral by Kronrod's rule of degree 11, and that
-//! by the rule of Gauss of degree 5 at three of the nodes. Source: Kronrod, Nodes and Weights of Quadrature Formulas
-//! (1965). It must not know what the function means.
+//! In: values of a function at seven nodes of an interval. Out: its integral by Kronrod's rule of degree 11, and by
+//! Gauss's rule of degree 5 at three of the nodes. Source: Kronrod, Nodes and Weights of Quadrature Formulas (1965).
+//! Must not know: what the function means.
 
 /// Distances of the nodes from the middle of the interval from 0 to 1.
 const A: f64 = 0.217_121_874_673_401_28;
@@ -23,18 +23,18 @@ const KRONROD: [f64; 7] = [
     0.052_328_113_013_233_63,
 ];
 
-/// Weights of the rule of Gauss at every other node.
+/// Weights of Gauss's rule at every other node.
 const GAUSS: [f64; 3] = [5.0 / 18.0, 4.0 / 9.0, 5.0 / 18.0];
 
-/// Mean of a function over an interval, by both rules, from its values at the nodes; and the mean of its magnitude.
+/// Means of a function over an interval by Kronrod's and Gauss's rule, and the mean of its magnitude.
 pub fn means(values: &[f64; 7]) -> [f64; 3] {
     let sum = |of: fn(f64) -> f64| KRONROD.iter().zip(values).map(|(w, v)| w * of(*v)).sum();
     let gauss = GAUSS.iter().zip(values.iter().skip(1).step_by(2)).map(|(w, v)| w * v).sum();
     [sum(|v| v), gauss, sum(f64::abs)]
 }
 
-/// Coefficients of the polynomial of degree 6 that has these values at the nodes, in ascending powers of x = 2 u - 1.
-/// Its integral over the interval is that of Kronrod's rule.
+/// Coefficients of the polynomial of degree 6 with these values at the nodes, in ascending powers of x = 2 u - 1. Its
+/// integral over the interval is that of Kronrod's rule.
 pub fn interpolant(values: &[f64; 7]) -> [f64; 7] {
     let x = [2.0 * A, 2.0 * B, 2.0 * C];
     let [a, b, c] = x.map(|x| x * x);
@@ -46,7 +46,7 @@ pub fn interpolant(values: &[f64; 7]) -> [f64; 7] {
     [even[0], odd[0], even[1], odd[1], even[2], odd[2], even[3]]
 }
 
-/// Coefficients of the polynomial through values at some z, in ascending powers of z, by Newton's divided differences.
+/// Coefficients of the polynomial through values f at z, in ascending powers of z, by Newton's divided differences.
 fn newton<const N: usize>(z: [f64; N], mut f: [f64; N]) -> [f64; N] {
     for k in 1..N {
         for i in (k..N).rev() {
@@ -61,7 +61,7 @@ fn newton<const N: usize>(z: [f64; N], mut f: [f64; N]) -> [f64; N] {
     f
 }
 
-/// Part of the mean magnitude by which Kronrod's rule may err, from the difference of both rules (QUADPACK's estimate).
+/// Error estimate of Kronrod's rule (QUADPACK), relative to the larger of the mean magnitude and `size`.
 pub fn relative_error([kronrod, gauss, magnitude]: [f64; 3], size: f64) -> f64 {
     let size = magnitude.max(size);
     if size == 0.0 { 0.0 } else { (200.0 * (kronrod - gauss).abs() / size).powf(1.5) }

@@ -1,10 +1,10 @@
 //! Gauss's quadrature with any number of nodes.
 //!
-//! In: the number of nodes. Out: nodes, weights, values of Legendre's polynomials. It must not know what is integrated.
+//! In: the number of nodes. Out: nodes, weights, values of Legendre's polynomials. Must not know: the integrand.
 //! Source: Trefethen, Approximation Theory and Approximation Practice (2013), chapters 17 and 19.
 use std::f64::consts::PI;
 
-/// Newton's steps from the asymptotic nodes, more than enough for rounding.
+/// Number of Newton steps from the asymptotic nodes, more than enough for the rounding error.
 const ITERATIONS: usize = 8;
 
 /// P_n(x) for n = 0 .. count - 1, by the recurrence n P_n = (2n - 1) x P_(n-1) - (n - 1) P_(n-2).
@@ -18,7 +18,7 @@ pub fn polynomials(x: f64, count: usize) -> Vec<f64> {
     values
 }
 
-/// Nodes of [-1, 1], ascending, each with its weight; the weights sum to 2.
+/// Nodes of [-1, 1], ascending, each with its weight. The sum of the weights is 2.
 pub fn rule(count: usize) -> Vec<[f64; 2]> {
     let n = count as f64;
     let node = |k: usize| {

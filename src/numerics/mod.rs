@@ -1,4 +1,4 @@
-//! Numerics: numbers, vectors, series and tables of functions. It must not know what they mean.
+//! Numerics: numbers, vectors, series and tables of functions. Must not know: what they mean.
 pub mod alternating;
 pub mod bits;
 pub mod bracket;

@@ -1,23 +1,23 @@
 //! Smooth monotone interpolation of a table of points.
 //!
-//! In: points of a function. Out: the function between and beyond them. It must not know what the function means.
+//! In: points of a function. Out: the function between and beyond them. Must not know: what the function means.
 //!
-//! The function is monotone wherever the points are: the slope of a quintic is a quartic whose Bernstein coefficients
-//! are
+//! The function is monotone where the points are. The slope of a quintic is a quartic with the Bernstein coefficients
 //!
 //! ```text
 //! b0 = y0', b1 = y0' + h y0'' / 4, b2 = 5 s - b0 - b1 - b3 - b4, b3 = y1' - h y1'' / 4, b4 = y1'
 //! ```
 //!
-//! with the width h of the interval and its secant s, and a polynomial whose Bernstein coefficients have one sign has
-//! that sign (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471).
+//! with the width h of the interval and its secant s. A polynomial has the common sign of its Bernstein coefficients
+//! (Dougherty, Edelman, Hyman, Math. Comp. 52 (1989), 471).
 use super::piecewise::{Piecewise, secants};
 
-/// Largest slope at a point over the smaller secant beside it: with curvature 0 all five coefficients then have one
-/// sign.
+/// Largest ratio of the slope at a point to the smaller neighbouring secant. With curvature 0, all five coefficients
+/// then have the same sign.
 const STEEPEST: f64 = 1.25;
 
-/// The function through at least two points [x, y] whose x ascend, monotone wherever they are; None for other points.
+/// The function through at least two points [x, y] with ascending x, monotone where the points are. None for other
+/// points.
 pub fn monotone(points: &[[f64; 2]]) -> Option<Piecewise> {
     let [widths, secants] = secants(points)?;
     let slopes: Vec<f64> = (0..points.len()).map(|k| slope(&widths, &secants, k)).collect();
@@ -25,11 +25,11 @@ pub fn monotone(points: &[[f64; 2]]) -> Option<Piecewise> {
     Some(Piecewise::new(points, &hermite))
 }
 
-/// Slope at point k: that of the parabola through the point and its neighbours, or 0 at an extreme, and never steeper
-/// than [`STEEPEST`] allows.
+/// Slope at point k: that of the parabola through the point and its neighbours, limited by [`STEEPEST`]. 0 at an
+/// extremum.
 fn slope(widths: &[f64], secants: &[f64], k: usize) -> f64 {
     let last = secants.len();
-    let (estimate, beside) = match k {
+    let (estimate, neighbours) = match k {
         _ if last == 1 => (secants[0], [secants[0]; 2]),
         0 => (end_slope([widths[0], widths[1]], [secants[0], secants[1]]), [secants[0]; 2]),
         _ if k == last => {
@@ -41,20 +41,21 @@ fn slope(widths: &[f64], secants: &[f64], k: usize) -> f64 {
             ((s[0] * h1 + s[1] * h0) / (h0 + h1), s)
         }
     };
-    let sign = beside[0].signum();
-    if beside[0] * beside[1] <= 0.0 || estimate * sign <= 0.0 {
+    let sign = neighbours[0].signum();
+    if neighbours[0] * neighbours[1] <= 0.0 || estimate * sign <= 0.0 {
         return 0.0;
     }
-    sign * (estimate * sign).min(STEEPEST * beside[0].abs().min(beside[1].abs()))
+    sign * (estimate * sign).min(STEEPEST * neighbours[0].abs().min(neighbours[1].abs()))
 }
 
-/// Slope at an end: that of the parabola through the three points nearest to it. Nearest widths and secants first.
+/// Slope at an end, from the parabola through the three points nearest to the end. The nearest widths and secants are
+/// the first.
 fn end_slope([h0, h1]: [f64; 2], [s0, s1]: [f64; 2]) -> f64 {
     s0 + (s0 - s1) * h0 / (h0 + h1)
 }
 
-/// Curvature at point k: the second divided difference, as far as both quintics beside the point stay monotone; 0 at
-/// the ends.
+/// Curvature at point k: the second divided difference, limited so that the quintics on both sides of the point stay
+/// monotone. 0 at the ends.
 fn curvature(widths: &[f64], secants: &[f64], slopes: &[f64], k: usize) -> f64 {
     if k == 0 || k == secants.len() {
         return 0.0;
@@ -62,7 +63,7 @@ fn curvature(widths: &[f64], secants: &[f64], slopes: &[f64], k: usize) -> f64 {
     let [h0, h1] = [widths[k - 1], widths[k]];
     let sign = slopes[k].signum();
     let steepness = slopes[k].abs();
-    // Part of b2 that is left for the curvatures at the two ends of an interval, half for each.
+    // Part of b2 that is available for the curvatures at the two ends of an interval, half for each.
     let left = |interval: usize| {
         let both = slopes[interval].abs() + slopes[interval + 1].abs();
         (0.5 * (5.0 * secants[interval].abs() - 2.0 * both)).max(0.0)
@@ -101,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn points_that_no_function_has_are_refused() {
+    fn invalid_points_are_rejected() {
         for points in
             [&[[0.0, 1.0]][..], &[[0.0, 1.0], [0.0, 2.0]], &[[1.0, 0.0], [0.0, 1.0]], &[[0.0, f64::NAN], [1.0, 0.0]]]
         {
@@ -110,11 +111,11 @@ mod tests {
     }
 
     #[test]
-    fn a_smooth_function_is_met_to_the_third_order() {
+    fn the_error_for_a_smooth_function_is_of_third_order() {
         let error = |count: i32| {
             let points: Vec<_> = (0..=count).map(|k| f64::from(k) / f64::from(count)).map(|x| [x, x.exp()]).collect();
             let f = monotone(&points).unwrap();
-            // The quintics at the ends have curvature 0 there.
+            // The quintics at the ends have curvature 0 there, so only the inner part is compared.
             (0..1000).map(|k| 0.2 + 0.6e-3 * f64::from(k)).fold(0.0_f64, |e, x| e.max((f.at(x)[0] - x.exp()).abs()))
         };
         let [coarse, fine] = [error(20), error(40)];
@@ -155,7 +156,7 @@ mod tests {
         }
 
         #[test]
-        fn nothing_is_beyond_the_bounds_and_they_close_in(
+        fn all_values_are_within_bounds_that_converge(
             steps in prop::collection::vec((0.1..2.0, -5.0..5.0), 2..9),
             low in -2.0..12.0f64,
             width in 0.0..6.0f64,

@@ -1,13 +1,13 @@
-//! Lists in the order of a number that belongs to each element: one sort for all types, where lists are short or sorted
-//! once. A sort of a further type is some 10 kB of the library.
+//! Lists sorted by a number of each element. All types share one sort, for lists that are short or sorted once. The
+//! sort of another type would add about 10 kB to the library.
 
-/// Sort numbers, ascending.
+/// Sorts numbers, ascending.
 #[inline(never)]
 pub fn sort(numbers: &mut [f64]) {
     numbers.sort_unstable_by(f64::total_cmp);
 }
 
-/// Indices of keys in ascending order; equal ones stay in the order in which they stand.
+/// Indices of keys in ascending order. Equal keys keep their order.
 fn in_order(keys: impl Iterator<Item = u64>) -> Vec<usize> {
     let mut all: Vec<(u64, usize)> = keys.zip(0..).collect();
     sort_keys(&mut all);
@@ -25,27 +25,27 @@ fn key(value: f64) -> u64 {
     if value.is_sign_negative() { !bits } else { bits | 1 << 63 }
 }
 
-/// Indices of values in ascending order; equal values stay in the order in which they stand.
+/// Indices of values in ascending order. Equal values keep their order.
 pub fn ascending(values: &[f64]) -> Vec<usize> {
     in_order(values.iter().map(|value| key(*value)))
 }
 
-/// A list in ascending order of a number of each element; equal ones stay in the order in which they stand.
+/// A list sorted by a number of each element, ascending. Elements with equal numbers keep their order.
 pub fn sorted<T>(list: Vec<T>, number: impl Fn(&T) -> f64) -> Vec<T> {
     let order = in_order(list.iter().map(|element| key(number(element))));
-    taken(list, order)
+    reordered(list, order)
 }
 
-/// A list in ascending order of two indices of each element, of the first, then of the second; equal ones stay in the
-/// order in which they stand. Each index is below 2^32.
+/// A list sorted by two indices of each element, first by the first index, then by the second. Elements with equal
+/// indices keep their order. Each index is below 2^32.
 pub fn sorted_by_pair<T>(list: Vec<T>, pair: impl Fn(&T) -> (usize, usize)) -> Vec<T> {
     let key = |(first, second): (usize, usize)| (first as u64) << 32 | second as u64;
     let order = in_order(list.iter().map(|element| key(pair(element))));
-    taken(list, order)
+    reordered(list, order)
 }
 
-/// The elements of a list in this order of their indices.
-fn taken<T>(list: Vec<T>, order: Vec<usize>) -> Vec<T> {
+/// The elements of a list in the order of these indices.
+fn reordered<T>(list: Vec<T>, order: Vec<usize>) -> Vec<T> {
     let mut list: Vec<Option<T>> = list.into_iter().map(Some).collect();
     order.into_iter().filter_map(|index| list[index].take()).collect()
 }
@@ -62,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn keys_are_in_the_order_of_what_they_stand_for() {
+    fn keys_have_the_order_of_their_values() {
         let infinite = f64::INFINITY;
         let values = [-f64::NAN, -infinite, -1.5, -1.0, -0.0, 0.0, f64::MIN_POSITIVE, 1.0, infinite, f64::NAN];
         assert!(values.is_sorted_by(|a, b| key(*a) < key(*b) && a.total_cmp(b).is_lt()));

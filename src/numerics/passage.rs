@@ -1,14 +1,14 @@
-//! Where a function first passes from <= 0 to > 0, found by bounds of the function: a passage there and back is not
-//! overlooked because it is short.
+//! First sign change of a function from <= 0 to > 0, found with bounds of the function. Two sign changes close to each
+//! other are not overlooked.
 //!
-//! In: a function, and its bounds on intervals or the fact that it is a polynomial of degree 4 at most. Out: its first
-//! passage. It must not know what the function means.
+//! In: a function, and its bounds on intervals, or the fact that the function is a polynomial of degree 4 at most. Out:
+//! its first sign change from <= 0 to > 0. Must not know: what the function means.
 use super::bracket::false_position;
 use super::enclosure::Enclosure;
 
-/// Halvings of a part of the grid after which its ends alone decide.
+/// Number of bisections of a part of the grid after which only its end values are used.
 const DEEPEST: u32 = 24;
-/// Intervals after which the ends of each remaining one alone decide.
+/// Number of intervals after which only the end values of each remaining interval are used.
 const MOST_INTERVALS: u32 = 1000;
 
 /// A function with bounds, searched on [0, 1].
@@ -17,11 +17,11 @@ pub struct Bounded<F, B, L> {
     pub f: F,
     /// Its bounds between two points.
     pub bounds: B,
-    /// Its root between two points, each with its value: <= 0 at the first, > 0 at the second.
+    /// Its root between two points with their values, <= 0 at the first and > 0 at the second.
     pub locate: L,
 }
 
-/// A point with the value of the function there.
+/// A point with the value of the function.
 type Sample = (f64, f64);
 
 impl<F, B, L> Bounded<F, B, L>
@@ -30,13 +30,13 @@ where
     B: FnMut(f64, f64) -> Enclosure,
     L: FnMut(&mut dyn FnMut(f64) -> f64, Sample, Sample) -> f64,
 {
-    /// The first point of (0, 1] where the function passes from <= 0 to > 0; `start`: its value at 0, as far as it is
-    /// not rounding. Roots are located where the bounds say that the function rises, else between points of a grid of
-    /// so many equal parts.
+    /// The first point of (0, 1] where the function changes from <= 0 to > 0. `start`: its value at 0, without rounding
+    /// error. Roots are located on intervals on which the bounds show that the function rises, otherwise on the `grid`
+    /// equal parts of [0, 1].
     ///
-    /// An interval is left out where the bounds have one sign, or where the function falls; it is halved where they
-    /// tell neither. So a passage and its return are missed only if they are closer than 2^-24 of a part, where bounds
-    /// cannot tell them from a touch, or after [`MOST_INTERVALS`] intervals, where the function is wild.
+    /// An interval is excluded if the bounds have one sign or the function falls. An interval is bisected if the bounds
+    /// are not sufficient. A rise with the next fall is missed only if they are closer than 2^-24 of a part (like a
+    /// touch), or after [`MOST_INTERVALS`] intervals.
     pub fn first_rise(&mut self, start: f64, grid: usize) -> Option<f64> {
         let last = (1.0, (self.f)(1.0));
         self.on_grid((0, grid, grid), (0.0, start), last, &mut { MOST_INTERVALS })
@@ -54,7 +54,7 @@ where
             let m = (at, (self.f)(at));
             return self.on_grid((i, middle, grid), a, m, left).or_else(|| self.on_grid((middle, j, grid), m, b, left));
         }
-        // From a root at its start, the function may fall first and rise later.
+        // The function may start at a root, fall first and rise later.
         if !passes(a, b) || a.1 == 0.0 {
             return self.between(a, b, DEEPEST, left);
         }
@@ -62,13 +62,13 @@ where
         if bounds.slope.low >= 0.0 {
             return Some(root);
         }
-        // There may be three passages, and the root that was found need not be the first.
+        // There may be three roots, and the located root need not be the first.
         let at_root = (root, (self.f)(root));
         let first = self.between(a, at_root, DEEPEST, left);
         Some(first.filter(|first| *first < root - 1e-6 * (b.0 - a.0)).unwrap_or(root))
     }
 
-    /// The first rise between two points, halved so many times at most.
+    /// The first rise between two points, with at most `depth` bisections.
     fn between(&mut self, a: Sample, b: Sample, depth: u32, left: &mut u32) -> Option<f64> {
         let bounds = self.look(a, b, left)?;
         if bounds.slope.low >= 0.0 || depth == 0 || *left == 0 {
@@ -88,26 +88,27 @@ where
     }
 }
 
-/// Whether the function is <= 0 at the first of two points and > 0 at the second.
+/// Whether the function is <= 0 at the first and > 0 at the second of two points.
 fn passes(a: Sample, b: Sample) -> bool {
     a.1 <= 0.0 && b.1 > 0.0
 }
 
 /// Degree of a polynomial in [`first_rise_of_quartic`].
 const DEGREE: usize = 4;
-/// Rounding of Bernstein coefficients in units of the last place of the largest value.
+/// Rounding error of Bernstein coefficients, relative to the largest value.
 const ROUNDING: f64 = 64.0 * f64::EPSILON;
 
-/// The first point of [a, b] where f, there a polynomial of degree 4 at most, passes from <= 0 to > 0, within `close`
-/// beyond its root. A value > 0 at `a` counts as 0.
+/// The first point of [a, b] where a polynomial f of degree 4 at most changes from <= 0 to > 0, at most `close` after
+/// its root. A value > 0 at `a` counts as 0.
 ///
-/// Method: Bernstein coefficients from five values. An interval is left out if all are <= 0 or if they fall, and a root
-/// lies between two points if they rise. Else the interval is divided where the control polygon of the derivative
-/// passes 0: for a parabola at its vertex, so that the roots follow in closed form up to the polish by false position
-/// on f itself. A rise is missed only where the values beyond 0 are rounding.
+/// Method: Bernstein coefficients from five values. An interval is excluded if all coefficients are <= 0 or descend. It
+/// contains one root if they ascend and the signs at its ends differ. Otherwise the interval is divided where the
+/// control polygon of the derivative crosses 0. For a parabola this is the vertex, so that the roots follow in closed
+/// form, up to the refinement by false position on f itself. A rise is missed only if the values > 0 are rounding
+/// errors.
 ///
 /// # Errors
-/// f has no value at one of the first five points. Elsewhere, a point without a value counts as one that is not beyond.
+/// f has no value at one of the first five points. Elsewhere, a point without a value counts as <= 0.
 pub fn first_rise_of_quartic<E>(
     mut f: impl FnMut(f64) -> Result<f64, E>,
     [a, b]: [f64; 2],
@@ -119,7 +120,7 @@ pub fn first_rise_of_quartic<E>(
     }
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     if values.iter().any(|v| !v.is_finite()) || largest > f64::MAX / 1e3 {
-        // Beyond the range of numbers there is no polynomial.
+        // Such values cannot be represented by a polynomial.
         return Ok(None);
     }
     let [f0, f1, f2, f3, f4] = values;
@@ -133,18 +134,18 @@ pub fn first_rise_of_quartic<E>(
 /// A polynomial of degree 4 at most.
 struct Quartic<F> {
     f: F,
-    /// Below this, differences of coefficients are rounding.
+    /// Limit below which differences of coefficients are rounding errors.
     noise: f64,
     close: f64,
-    /// Intervals that may still be looked at.
+    /// Number of intervals that may still be searched.
     left: u32,
 }
 
 impl<F: FnMut(f64) -> f64> Quartic<F> {
-    /// Divisions after which an interval is a point.
+    /// Number of divisions after which an interval is a point.
     const DEEPEST: u32 = 64;
 
-    /// The first rise between two points, with Bernstein coefficients there.
+    /// The first rise between two points with these Bernstein coefficients.
     fn part(&mut self, c: &[f64; DEGREE + 1], a: Sample, b: Sample, depth: u32) -> Option<f64> {
         let differences: [f64; DEGREE] = std::array::from_fn(|k| c[k + 1] - c[k]);
         if !passes(a, b) && c.iter().all(|c| *c <= 0.0) || differences.iter().all(|d| *d <= self.noise) && b.1 <= 0.0 {
@@ -155,7 +156,7 @@ impl<F: FnMut(f64) -> f64> Quartic<F> {
         if rises || self.left == 0 || depth == Self::DEEPEST || b.0 - a.0 <= self.close {
             return passes(a, b).then(|| false_position(&mut self.f, a, b, self.close));
         }
-        // Every other time in the middle, so that the interval halves whatever the polynomial.
+        // Every other division is in the middle, so that the interval is halved for any polynomial.
         let part = if depth.is_multiple_of(2) { turning_point(&differences) } else { 0.5 };
         let at = a.0 + part * (b.0 - a.0);
         if !(a.0 < at && at < b.0) {
@@ -167,14 +168,14 @@ impl<F: FnMut(f64) -> f64> Quartic<F> {
     }
 }
 
-/// Where the control polygon with these values passes 0 first, as a part of its interval; 1/2 if it does not.
+/// First zero of the control polygon with these values, as a part of its interval. 1/2 without a zero.
 fn turning_point(differences: &[f64; DEGREE]) -> f64 {
     let pairs = differences.windows(2).enumerate();
     let mut passing = pairs.filter(|(_, d)| d[0] * d[1] < 0.0);
     passing.next().map_or(0.5, |(k, d)| (k as f64 + d[0] / (d[0] - d[1])) / (DEGREE - 1) as f64)
 }
 
-/// Coefficients before and behind a part of the interval: de Casteljau.
+/// Coefficients before and after a part of the interval, by de Casteljau's algorithm.
 fn divided(c: &[f64; DEGREE + 1], part: f64) -> ([f64; DEGREE + 1], [f64; DEGREE + 1]) {
     let (mut left, mut right) = (*c, *c);
     for (level, left) in left.iter_mut().enumerate().skip(1) {

@@ -1,15 +1,15 @@
 //! Twice continuously differentiable functions of the period 2 pi: the motion laws of cams.
 //!
-//! In: rises one after another, or points of one period. Out: the function with two derivatives, and the knots between
-//! which it is analytic. It must not know what the function means.
+//! In: consecutive rises, or points of one period. Out: the function with two derivatives, and the knots between which
+//! it is analytic. Must not know: what the function means.
 use super::monotone::monotone;
 use super::piecewise::Piecewise;
 use super::rise::Rise;
 use super::spline::periodic_spline;
 use std::f64::consts::TAU;
 
-/// Number of points before and behind one period that decide the monotone curve within it: curvatures follow from the
-/// slopes at both neighbours, these from theirs.
+/// Number of points on each side of one period on which the monotone curve in the period depends. Curvatures depend on
+/// the slopes at both neighbours, and these on their neighbours.
 const BEYOND: usize = 3;
 
 /// A part of the period.
@@ -17,16 +17,16 @@ const BEYOND: usize = 3;
 pub struct Segment {
     /// Length [rad], > 0.
     pub length: f64,
-    /// Growth of the function.
+    /// Increase of the function.
     pub distance: f64,
-    /// Law of the growth; none for a part without growth.
+    /// Law of the increase. None for a constant part (dwell).
     pub law: Option<Rise>,
 }
 
 /// A function of the period 2 pi.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Periodic {
-    /// Borders of its analytic parts, ascending, from 0 on and below 2 pi after the first.
+    /// Borders of its analytic parts, ascending, from 0 on and below 2 pi after the first border.
     knots: Vec<f64>,
     parts: Parts,
 }
@@ -35,13 +35,13 @@ pub struct Periodic {
 enum Parts {
     /// Segments, each with the value at its start, one for each knot.
     Segments(Vec<(f64, Segment)>),
-    /// A curve through the points of one period, from its first point to that of the next period at least.
+    /// A curve through the points of one period, at least from its first point to the first point of the next period.
     Points(Piecewise),
 }
 
 impl Periodic {
-    /// Segments whose lengths add up to 2 pi and whose distances to 0, but for rounding; the function is 0 at 0. None
-    /// for no segments.
+    /// Function of segments whose lengths have the sum 2 pi and whose distances have the sum 0, except for rounding
+    /// errors. The function is 0 at 0. None without segments.
     pub fn of_segments(segments: &[Segment]) -> Option<Self> {
         let (mut start, mut value) = (0.0, 0.0);
         let (mut knots, mut parts) = (Vec::new(), Vec::new());
@@ -54,19 +54,19 @@ impl Periodic {
         (!parts.is_empty()).then_some(Self { knots, parts: Parts::Segments(parts) })
     }
 
-    /// The quintic spline through points [u, value] of one period: at least two, u ascending by less than 2 pi in all.
+    /// The quintic spline through at least two points [u, value] of one period, with u ascending over less than 2 pi.
     /// None for other points.
     pub fn spline(points: &[[f64; 2]]) -> Option<Self> {
         Self::of_curve(points, 0, periodic_spline)
     }
 
-    /// A curve through such points that is monotone wherever they are. None for other points.
+    /// A curve through such points that is monotone where the points are. None for other points.
     pub fn monotone(points: &[[f64; 2]]) -> Option<Self> {
         Self::of_curve(points, BEYOND, monotone)
     }
 
-    /// The curve that `through` puts through one period, from a point to the same of the next period, and so many
-    /// points around.
+    /// The curve `through` one period, from a point to the same point of the next period, with `beyond` further points
+    /// on each side.
     fn of_curve(
         points: &[[f64; 2]],
         beyond: usize,
@@ -100,7 +100,7 @@ impl Periodic {
         }
     }
 
-    /// Distance from u to the next knot beyond `close`, in the direction of growing u or against it.
+    /// Distance from u to the next knot farther than `close`, in ascending or descending direction.
     pub fn next_knot(&self, u: f64, ascending: bool, close: f64) -> f64 {
         let sign = if ascending { 1.0 } else { -1.0 };
         let away = |knot: &f64| {
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn it_returns_and_is_smooth_everywhere() {
+    fn it_is_periodic_and_smooth_everywhere() {
         let h = 1e-5;
         for f in all() {
             for k in 0..700 {
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn points_of_more_than_a_period_are_refused() {
+    fn points_of_more_than_a_period_are_rejected() {
         for points in [&[[0.0, 1.0]][..], &[[0.0, 1.0], [TAU, 1.0]], &[[1.0, 0.0], [0.5, 1.0]]] {
             assert_eq!(Periodic::spline(points), None);
             assert_eq!(Periodic::monotone(points), None);

@@ -1,18 +1,18 @@
 //! Twice continuously differentiable functions made of quintics.
 //!
 //! In: points with slopes and curvatures. Out: the function between and beyond them, its derivatives, its integral and
-//! bounds. It must not know what the function means, nor where slopes and curvatures come from:
-//! `numerics/monotone.rs` and `numerics/spline.rs` choose them.
+//! bounds. Must not know: what the function means, how slopes and curvatures are chosen (`numerics/monotone.rs`,
+//! `numerics/spline.rs`).
 //!
-//! Beyond the first and the last point the function is linear, with the slope that it has there.
+//! Beyond the first and the last point the function is linear, with the slope at this point.
 use super::chebyshev::NODES;
 use super::enclosure::{Interval, polynomial_bounds};
 
 /// Number of coefficients of a quintic.
 const QUINTIC: usize = 6;
 
-/// A function through points, of one quintic between each two. Its value, slope and curvature are continuous, if the
-/// curvature at both ends is 0.
+/// A function through points, with one quintic between neighbouring points. Value, slope and curvature are continuous
+/// if the curvature at both ends is 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Piecewise {
     /// Abscissae of the points, ascending.
@@ -24,8 +24,8 @@ pub struct Piecewise {
     whole: f64,
 }
 
-/// Widths and secants between the points [x, y] of a function; None for fewer than two points, for x that do not ascend
-/// and for numbers that are not finite.
+/// Widths and secants between the points [x, y] of a function. None for fewer than two points, for x that are not
+/// ascending and for numbers that are not finite.
 pub fn secants(points: &[[f64; 2]]) -> Option<[Vec<f64>; 2]> {
     let is_ascending = points.windows(2).all(|p| p[0][0] < p[1][0]);
     let widths: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
@@ -44,7 +44,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Value, slope, curvature, and integral from the first point on, at x.
+    /// At x: value, slope, curvature, and the integral from the first point.
     fn at(&self, x: f64) -> [f64; 4] {
         let t = (x - self.start) / self.width;
         let (mut value, mut slope, mut half_curvature, mut integral) = (0.0, 0.0, 0.0, 0.0);
@@ -76,7 +76,7 @@ impl Piece {
 }
 
 impl Piecewise {
-    /// The function through at least two points [x, y] whose x ascend, with this slope and this curvature at each.
+    /// The function through at least two points [x, y] with ascending x. `hermite`: slope and curvature at each point.
     pub fn new(points: &[[f64; 2]], hermite: &[[f64; 2]]) -> Self {
         let mut integral = 0.0;
         let mut pieces = Vec::with_capacity(points.len());
@@ -100,7 +100,7 @@ impl Piecewise {
         Self { knots: points.iter().map(|p| p[0]).collect(), pieces, ends, whole: integral }
     }
 
-    /// Value, slope, curvature, and integral from the first point on, at x.
+    /// At x: value, slope, curvature, and the integral from the first point.
     fn parts(&self, x: f64) -> [f64; 4] {
         let beyond = |[value, slope]: [f64; 2], distance: f64, integral: f64| {
             [value + slope * distance, slope, 0.0, integral + distance * (value + 0.5 * slope * distance)]
@@ -115,7 +115,7 @@ impl Piecewise {
         self.piece(x).at(x)
     }
 
-    /// The piece that holds x; of NaN the first one, which gives NaN.
+    /// The piece that contains x. For NaN the first piece, whose value is then NaN.
     fn piece(&self, x: f64) -> &Piece {
         &self.pieces[self.knots.partition_point(|knot| *knot <= x).saturating_sub(1)]
     }
@@ -126,7 +126,7 @@ impl Piecewise {
         [value, slope, curvature]
     }
 
-    /// Third derivative at x; at a point that beyond it.
+    /// Third derivative at x. At a knot, the right-hand limit.
     pub fn third(&self, x: f64) -> f64 {
         if x < self.knots[0] || x >= self.knots[self.knots.len() - 1] {
             return 0.0;
@@ -142,8 +142,7 @@ impl Piecewise {
     /// Bounds of the values and of the slopes on an interval of x.
     pub fn bounds(&self, x: Interval) -> [Interval; 2] {
         let last = self.knots.len() - 1;
-        // Between two abscissae the function is one polynomial; the first and the last one are the lines beyond the
-        // ends.
+        // Between two knots the function is one polynomial. The first and the last part are the lines beyond the ends.
         let first = self.knots.partition_point(|knot| *knot <= x.low);
         let mut all: Option<[Interval; 2]> = None;
         for part in first..=last + 1 {
@@ -174,7 +173,7 @@ impl Piecewise {
         &self.knots
     }
 
-    /// Abscissae of the points at which the function ceases to rise or to fall, and of those beside them.
+    /// Knots at which the function stops to rise or to fall, and their neighbours.
     pub fn turning_knots(&self) -> Vec<f64> {
         let values: Vec<f64> = self.pieces.iter().map(|piece| piece.coefficients[0]).chain([self.ends[1][0]]).collect();
         let ways: Vec<f64> =
@@ -184,7 +183,7 @@ impl Piecewise {
         (0..self.knots.len()).filter(|&k| is_near(k)).map(|k| self.knots[k]).collect()
     }
 
-    /// Largest size of the values at the points.
+    /// Largest magnitude of the values at the points.
     pub fn largest(&self) -> f64 {
         let values = self.pieces.iter().map(|piece| piece.coefficients[0]);
         values.chain([self.ends[1][0]]).fold(0.0, |most, value| most.max(value.abs()))
@@ -198,7 +197,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_has_the_slopes_and_curvatures_that_it_is_given(
+        fn it_has_the_given_slopes_and_curvatures(
             steps in prop::collection::vec([0.1..2.0, -5.0..5.0, -5.0..5.0, -9.0..9.0], 2..9),
         ) {
             let mut x = 0.3;

@@ -1,20 +1,20 @@
-//! What the present processor can do beyond the least of its family: fused multiply-add, four numbers at once.
+//! Functions of the present processor beyond the baseline of its family: fused multiply-add, four numbers at once.
 //!
-//! In: a task that is generic over its arithmetic. Out: its result, by the fastest code that this processor runs.
-//! Results are the same bits on all processors with fused multiply-add, and differ by rounding from those of the
-//! others. It must not know what is computed.
+//! In: a task that is generic over its arithmetic. Out: its result, by the fastest code for this processor. Results are
+//! bit-identical on all processors with fused multiply-add. Results on other processors differ by rounding errors. Must
+//! not know: what is computed.
 #![allow(unsafe_code)]
 
-/// How a b + c is rounded.
+/// Rounding of a b + c.
 pub trait Arithmetic {
     /// a b + c.
     fn multiply_add(a: f64, b: f64, c: f64) -> f64;
 }
 
-/// One rounding, for the sum.
+/// One rounding, of the sum.
 pub struct Fused;
 
-/// Two roundings: of the product, then of the sum.
+/// Two roundings, of the product and of the sum.
 pub struct Separate;
 
 impl Arithmetic for Fused {
@@ -31,22 +31,22 @@ impl Arithmetic for Separate {
     }
 }
 
-/// A task worth code of its own for each kind of processor. [`Task::run`] and what it calls are to be inlined: code
-/// that is not is compiled for the least processor, and a fused operation there is a call of a library.
+/// A task that is compiled separately for each kind of processor. [`Task::run`] and the functions that it calls must be
+/// inlined. Otherwise they are compiled for the baseline processor, on which a fused operation is a library call.
 pub trait Task {
     /// Result of the task.
     type Result;
 
-    /// Do it in this arithmetic.
+    /// Does the task with this arithmetic.
     fn run<A: Arithmetic>(self) -> Self::Result;
 }
 
-/// Do a task by the fastest code that this processor runs.
+/// Does a task with the fastest code for this processor.
 #[inline(always)]
 pub fn run<T: Task>(task: T) -> T::Result {
     #[cfg(target_arch = "x86_64")]
     if std::arch::is_x86_feature_detected!("avx2") && std::arch::is_x86_feature_detected!("fma") {
-        // SAFETY: the processor has what the function is compiled for.
+        // SAFETY: the processor has the features for which the function is compiled.
         return unsafe { with_avx2_and_fma(task) };
     }
     // Every 64-bit ARM processor has fused multiply-add.

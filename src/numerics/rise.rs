@@ -8,8 +8,8 @@
 //! polynomial 4567  s = D (35 u^4 - 84 u^5 + 70 u^6 - 20 u^7)
 //! ```
 //!
-//! Source: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: t. Out: s with three derivatives. It must not
-//! know whether t is a time or the angle of a cam.
+//! Source: VDI 2143 part 1; Norton, Design of Machinery, chapter 8. In: t. Out: s with three derivatives. Must not
+//! know: whether t is a time or the angle of a cam.
 use std::f64::consts::TAU;
 
 /// Coefficients of u^3 to u^7 of the polynomial 345.
@@ -20,18 +20,18 @@ const POLYNOMIAL_4567: [f64; 5] = [0.0, 35.0, -84.0, 70.0, -20.0];
 /// Law of a rise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rise {
-    /// Second derivative as one period of a sine.
+    /// Second derivative: one period of a sine.
     Cycloidal,
-    /// Polynomial of degree 5, without second derivative at its ends.
+    /// Polynomial of degree 5. The second derivative is 0 at the ends.
     Polynomial345,
-    /// Polynomial of degree 7, without second and third derivative at its ends.
+    /// Polynomial of degree 7. The second and third derivatives are 0 at the ends.
     Polynomial4567,
 }
 
 impl Rise {
-    /// s and its first, second and third derivative at t from 0 to the length, > 0; before that at rest at 0, beyond at
-    /// rest at the distance. In its second half a rise is what its first half is backwards, so that derivatives near
-    /// the end are differences of nothing large.
+    /// s and its first, second and third derivative at t, for a length > 0. Before t = 0: at rest at 0. After the
+    /// length: at rest at the distance. The second half is computed from the first half by symmetry, so that
+    /// derivatives near the end are not small differences of large numbers.
     pub fn at(self, t: f64, distance: f64, length: f64) -> [f64; 4] {
         match t {
             t if t < 0.0 => [0.0; 4],

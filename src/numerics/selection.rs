@@ -1,25 +1,25 @@
-//! Quadrature of a family of functions at the few nodes that decide its integrals.
+//! Quadrature for a family of functions with few nodes.
 //!
 //! In: some functions of a family, each by its values at the nodes of a fine rule. Out: nodes with weights for the
-//! integral of any function of the family, and weights of a check whether a function belongs to the family. It must
-//! not know what the functions mean.
+//! integral of any function of the family, and weights that check whether a function belongs to the family. Must not
+//! know: what the functions mean.
 //! Source: Barrault, Maday, Nguyen, Patera, An empirical interpolation method (2004), equations (3) to (8).
 
-/// Largest part of a function that the selected nodes leave out, relative to its mean.
+/// Largest interpolation error of a function with the selected nodes, relative to its mean.
 const TOLERANCE: f64 = 1e-13;
-/// Most nodes that are selected.
+/// Largest number of selected nodes.
 const MOST: usize = 40;
-/// Nodes at which the interpolant is checked.
+/// Number of nodes at which the interpolant is checked.
 pub const CHECKS: usize = 2;
 
 /// A node of the fine rule, with its weight in the integral and in the errors of the interpolant at [`CHECKS`] nodes.
 pub type Selected = (usize, f64, [f64; CHECKS]);
 
-/// Nodes that decide the integrals of a family; `functions`: values at the nodes of a rule with these weights, each
-/// function with the mean 1. Nodes without weight that only check the interpolant come last. None if the family needs
-/// more than [`MOST`] nodes.
+/// Nodes for the integrals of a family. `functions`: values at the nodes of a rule with these weights; each function
+/// has the mean 1. Nodes with weight 0, which only check the interpolant, are the last. None if the family needs more
+/// than [`MOST`] nodes.
 pub fn select(mut functions: Vec<Vec<f64>>, weights: &[f64]) -> Option<Vec<Selected>> {
-    // A function at a time, each 1 at its own node and 0 at those before.
+    // Each basis function is 1 at its node and 0 at the nodes before.
     let (mut nodes, mut basis): (Vec<usize>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
     loop {
         let all = functions.iter().flat_map(|function| function.iter().enumerate().map(move |found| (function, found)));
@@ -39,7 +39,7 @@ pub fn select(mut functions: Vec<Vec<f64>>, weights: &[f64]) -> Option<Vec<Selec
         nodes.push(node);
         basis.push(own);
     }
-    // Weights at the selected nodes of a linear form with these values for the functions of the basis.
+    // Weights at the selected nodes for a linear form, from its values for the basis functions.
     let weights_of = |values: &dyn Fn(&[f64]) -> f64| {
         let mut own = vec![0.0; nodes.len()];
         for k in (0..nodes.len()).rev() {
@@ -52,7 +52,7 @@ pub fn select(mut functions: Vec<Vec<f64>>, weights: &[f64]) -> Option<Vec<Selec
     let mut selected: Vec<Selected> =
         nodes.iter().zip(integral).map(|(node, weight)| (*node, weight, [0.0; CHECKS])).collect();
     for check in 0..CHECKS {
-        // As far from all others as it can be.
+        // The node farthest from all selected nodes.
         let distance = |node: usize| selected.iter().map(|(other, ..)| node.abs_diff(*other)).min();
         let node = (0..weights.len()).max_by_key(|node| distance(*node))?;
         for (own, weight) in selected.iter_mut().zip(weights_of(&|function| function[node])) {
@@ -72,7 +72,7 @@ mod tests {
 
     /// exp(-a x) on [-1, 1] has the integral 2 sinh(a) / a.
     #[test]
-    fn few_nodes_give_the_integrals_of_exponentials_and_tell_other_functions() {
+    fn few_nodes_give_the_integrals_of_exponentials_and_detect_other_functions() {
         let rule = legendre::rule(100);
         let weights: Vec<f64> = rule.iter().map(|[_, weight]| 0.5 * weight).collect();
         let exponential = |a: f64| move |x: f64| (-a * x).exp() * a / a.sinh();

@@ -1,7 +1,7 @@
 //! Tables: functions along the curve as polynomials on adaptive panels.
 //!
-//! In: an exact function of sigma. Out: polynomials that give the function's components on panels of sigma. A table is
-//! built once and read without allocation or lock. It must not know what the functions mean.
+//! In: an exact function of sigma. Out: polynomials for the function's components on panels of sigma. A table is built
+//! once and read without allocation or lock. Must not know: what the functions mean.
 pub use super::chebyshev::polynomial;
 
 use super::chebyshev::{NODES, Series, Transform, monomials, polynomial_and_slope, slopes_of, tail};
@@ -13,7 +13,7 @@ use std::ops::Range;
 /// Error of a component relative to its largest value along the curve.
 pub const ACCURACY: f64 = 1e-13;
 
-/// A component that no panel resolves, however short.
+/// A component that is not resolved even on the shortest panel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Unresolved {
     /// sigma in the middle of the smallest panel tried.
@@ -33,20 +33,20 @@ impl fmt::Display for Unresolved {
 pub struct Grid {
     /// First sigma of each panel, then the last sigma of all.
     pub borders: Vec<f64>,
-    /// Values of sigma where the exact function amplifies rounding; each stays the middle of a panel.
+    /// Values of sigma at which the exact function amplifies rounding errors. Each stays in the middle of a panel.
     pub centers: Vec<f64>,
-    /// Largest tail, relative to the component, that may be rounding in the exact function: [`NOISE`] or more.
+    /// Largest tail, relative to the component, that can be a rounding error of the exact function: [`NOISE`] or more.
     pub noise: f64,
 }
 
-/// Largest tail, relative to the component, that may be rounding in an exact function near the origin.
+/// Largest tail, relative to the component, that can be a rounding error of an exact function near the origin.
 pub const NOISE: f64 = 1e-10;
 
 impl Grid {
     /// This grid with the borders of tables that were built on it.
     pub fn refined<'a>(&self, tables: impl IntoIterator<Item = &'a Table>) -> Self {
         let mut borders = self.borders.clone();
-        // Most tables have the borders of the one before, or those of the grid.
+        // Most tables have the borders of the previous table or of the grid.
         let mut last = &self.borders;
         for table in tables {
             if table.borders != *last {
@@ -62,7 +62,7 @@ impl Grid {
     }
 }
 
-/// Functions of sigma on panels; by default none.
+/// Functions of sigma on panels. The default has none.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// First sigma of each panel, then the last sigma of all.
@@ -83,7 +83,7 @@ pub struct TablePosition {
     pub x: f64,
 }
 
-/// Value of a polynomial with monomial coefficients at x, with derivatives if x carries some.
+/// Value of a polynomial with monomial coefficients at x. If x carries derivatives, the value does too.
 #[inline]
 pub fn polynomial_at<T: Number>(c: &Series, x: T) -> T {
     let slope = if T::CARRIES { polynomial(&slopes_of(c), x.value()) } else { 0.0 };
@@ -97,13 +97,13 @@ impl Table {
         self.components
     }
 
-    /// Tabulate several sets of functions that share their evaluations, on the panels of `grid`, divided where needed.
+    /// Tabulates several sets of functions that share their evaluations, on the panels of `grid`, divided where needed.
     /// `sizes`: natural size of each component of each set. `exact` fills the components of all sets, one set after the
-    /// other, at a sigma and returns the factor by which rounding is amplified there.
+    /// other, at a sigma. It returns the factor by which it amplifies rounding errors.
     ///
-    /// A panel is divided until the Chebyshev coefficients of every component have decayed to [`ACCURACY`] times the
-    /// larger of the component's natural size and its largest value on the grid. Coefficients of the size of rounding
-    /// are accepted: rounding in `exact` (amplified twice in second derivatives) or in sigma. Else a set is
+    /// A panel is divided until the last Chebyshev coefficients of every component are at most [`ACCURACY`] times its
+    /// size. This is the larger of the component's natural size and its largest value on the grid. Larger rounding
+    /// errors of `exact` (amplified twice in second derivatives) or of sigma are accepted. Otherwise the set is
     /// [`Unresolved`].
     pub fn build_all(
         grid: &Grid,
@@ -113,12 +113,12 @@ impl Table {
         Self::build(grid, sizes, false, exact)
     }
 
-    /// Tabulate one set of functions, some of which may be unbounded somewhere: where no panel resolves a component,
-    /// however short, the table has a gap. The components that are smooth there are resolved in a gap, too; the others
-    /// are to be asked of the exact function. Where a function is large, its error is relative to its value.
+    /// Tabulates one set of functions that may have poles. A shortest panel on which a component is not resolved is a
+    /// gap. In a gap, only smooth components are resolved. Where a function is large, its error is relative to its
+    /// value.
     ///
     /// # Errors
-    /// None; [`Unresolved`] by type.
+    /// Never; the type is that of [`Self::build_all`].
     pub fn build_with_gaps(
         grid: &Grid,
         sizes: Vec<f64>,
@@ -151,7 +151,7 @@ impl Table {
             samples: vec![[0.0; NODES]; components],
             exact,
         };
-        // Intervals that no panel covers yet, the last one first.
+        // Intervals that are not yet covered by panels, the last interval first.
         let mut open = Vec::new();
         for pair in grid.borders.windows(2).rev() {
             let mut interval = sampler.interval(pair[0], pair[1]);
@@ -168,7 +168,7 @@ impl Table {
         while let Some(interval) = open.pop() {
             let (a, b) = (interval.a, interval.b);
             let mut pieces = 1;
-            // NaN for a set that needs no pieces: it is resolved here or nowhere.
+            // NaN for a set that needs no further pieces: it is resolved or unresolved.
             let mut tails = vec![f64::NAN; sets.len()];
             for (k, set) in sets.iter_mut().enumerate() {
                 if interval.parent_tails[k].is_nan() || set.unresolved.is_some() {
@@ -205,14 +205,14 @@ impl Table {
         sets.into_iter().map(|set| set.unresolved.map_or(Ok(set.table), Err)).collect()
     }
 
-    /// Make a component the sum of two others, each times a factor.
+    /// Sets a component to the sum of two others, each times a factor.
     pub fn set_sum(&mut self, component: usize, of: [usize; 2], factors: [f64; 2]) {
         for panel in self.coefficients.chunks_exact_mut(self.components) {
             panel[component] = sum([&panel[of[0]], &panel[of[1]]], factors);
         }
     }
 
-    /// The sums of the first `count` components and the `count` after them, each times a factor.
+    /// A table of `count` components: component k times the first factor plus component `count` + k times the second.
     pub fn sums(&self, count: usize, factors: [f64; 2]) -> Self {
         let panels = self.coefficients.chunks_exact(self.components);
         let of =
@@ -221,12 +221,12 @@ impl Table {
         Self { borders, components: count, coefficients: panels.flat_map(of).collect(), gaps }
     }
 
-    /// Borders, coefficients and gaps, from which [`Self::of_parts`] makes the table again.
+    /// Borders, coefficients and gaps, from which [`Self::of_parts`] restores the table.
     pub fn parts(&self) -> (&[f64], &[Series], &[usize]) {
         (&self.borders, &self.coefficients, &self.gaps)
     }
 
-    /// The table of so many components with these borders, coefficients and gaps; None if they are none of a table.
+    /// The table with these borders, components, coefficients and gaps. None if the data are inconsistent.
     pub fn of_parts(borders: Vec<f64>, components: usize, coefficients: Vec<Series>, gaps: Vec<usize>) -> Option<Self> {
         let panels = borders.len().checked_sub(1).filter(|panels| *panels > 0)?;
         let ascending = borders.windows(2).all(|pair| pair[0] < pair[1]);
@@ -240,7 +240,7 @@ impl Table {
         self.borders.len() - 1
     }
 
-    /// Whether a panel is a gap: some component is not resolved there.
+    /// Whether a panel is a gap, on which some component is not resolved.
     #[inline]
     pub fn is_gap(&self, panel: usize) -> bool {
         self.gaps.binary_search(&panel).is_ok()
@@ -257,27 +257,27 @@ impl Table {
         (self.borders[panel], self.borders[panel + 1])
     }
 
-    /// The panel at sigma; the first or the last one outside.
+    /// The panel that contains sigma. Outside the table, the first or the last panel.
     #[inline]
     pub fn panel(&self, sigma: f64) -> usize {
         self.borders[1..self.borders.len() - 1].partition_point(|b| *b <= sigma)
     }
 
-    /// [`Self::panel`], with the search starting at a panel and its neighbours.
+    /// [`Self::panel`], with a search that starts at a panel and its neighbours.
     #[inline(always)]
     pub fn panel_near(&self, sigma: f64, panel: usize) -> usize {
-        if self.holds(panel, sigma) { panel } else { self.panel_beside(sigma, panel) }
+        if self.contains(panel, sigma) { panel } else { self.neighbouring_panel(sigma, panel) }
     }
 
     #[inline(never)]
-    fn panel_beside(&self, sigma: f64, panel: usize) -> usize {
-        let mut beside = [panel + 1, panel.wrapping_sub(1)].into_iter();
-        beside.find(|panel| self.holds(*panel, sigma)).unwrap_or_else(|| self.panel(sigma))
+    fn neighbouring_panel(&self, sigma: f64, panel: usize) -> usize {
+        let mut neighbours = [panel + 1, panel.wrapping_sub(1)].into_iter();
+        neighbours.find(|panel| self.contains(*panel, sigma)).unwrap_or_else(|| self.panel(sigma))
     }
 
-    /// Whether there is this panel and sigma is on it.
+    /// Whether the panel exists and contains sigma.
     #[inline(always)]
-    fn holds(&self, panel: usize, sigma: f64) -> bool {
+    fn contains(&self, panel: usize, sigma: f64) -> bool {
         panel < self.borders.len().saturating_sub(1) && self.borders[panel] <= sigma && sigma < self.borders[panel + 1]
     }
 
@@ -287,7 +287,7 @@ impl Table {
         self.position_in(sigma, self.panel(sigma))
     }
 
-    /// [`Self::position`], with the search starting at a panel and its neighbours.
+    /// [`Self::position`], with a search that starts at a panel and its neighbours.
     #[inline]
     pub fn position_near(&self, sigma: f64, panel: usize) -> TablePosition {
         self.position_in(sigma, self.panel_near(sigma, panel))
@@ -324,14 +324,14 @@ fn sum([a, b]: [&Series; 2], factors: [f64; 2]) -> Series {
     std::array::from_fn(|k| factors[0] * a[k] + factors[1] * b[k])
 }
 
-/// Functions that become one table.
+/// Functions of one table under construction.
 struct Set {
     /// Indices of its components among those of all sets.
     components: Range<usize>,
     /// The larger of each component's natural size and its largest value on the grid.
     largest: Vec<f64>,
     table: Table,
-    /// Whether what is not resolved is a gap; else it is an error.
+    /// Whether an unresolved panel is a gap. Otherwise it is an error.
     with_gaps: bool,
     unresolved: Option<Unresolved>,
 }
@@ -349,22 +349,22 @@ enum Verdict {
 }
 
 impl Set {
-    /// Take the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the undivided
+    /// Adds the interval as a panel if the set is resolved on it. `parent_tail`: largest tail on the undivided
     /// interval.
     fn judge(&mut self, interval: &Interval, parent_tail: f64, noise: f64) -> Verdict {
-        /// Length of the shortest piece as a part of a panel of the grid.
+        /// Length of the shortest piece, relative to a panel of the grid.
         const SHORTEST: f64 = 1.0 / 20_000.0;
         /// Order of the coefficients that must be small.
         const ORDER: f64 = (NODES - 2) as f64;
-        /// Relative rounding of sigma, a sum of lengths.
+        /// Relative rounding error of sigma, which is a sum of lengths.
         const SIGMA_ROUNDING: f64 = 4.0 * f64::EPSILON;
-        /// Gaps after which whatever is not resolved is a gap at once, so that the work of a table is bounded.
+        /// Number of gaps after which every unresolved panel is a gap at once. It limits the work for a table.
         const MOST_GAPS: usize = 64;
-        /// Largest relative tail that may be due to the rounding of sigma.
+        /// Largest relative tail that may be due to the rounding error of sigma.
         const COARSEST: f64 = 1e-9;
         let series = &interval.series[self.components.clone()];
         let (mut worst, mut component) = (0.0, 0);
-        // Rounding of sigma in terms of x: it limits the resolution where an interval is short compared with sigma.
+        // Rounding error of sigma in units of x. It limits the resolution if an interval is short compared with sigma.
         let step = SIGMA_ROUNDING * interval.a.abs().max(interval.b.abs()) / (0.5 * (interval.b - interval.a));
         for (i, (s, largest)) in series.iter().zip(&self.largest).enumerate() {
             let largest =
@@ -376,16 +376,16 @@ impl Set {
             }
         }
         let allowed = (0.5 * ACCURACY).max(interval.rounding);
-        // A small tail that division has not reduced is rounding in the exact function.
+        // A small tail that division has not reduced is a rounding error of the exact function.
         let is_rounding = interval.part < 1.0 && worst < noise && worst > 0.1 * parent_tail;
         if worst <= allowed || is_rounding {
-            self.take(interval);
+            self.add_panel(interval);
             return Verdict::Resolved;
         }
         if self.with_gaps {
             if interval.part < SHORTEST || self.table.gaps.len() >= MOST_GAPS {
                 self.table.gaps.push(self.table.borders.len() - 1);
-                self.take(interval);
+                self.add_panel(interval);
                 return Verdict::Resolved;
             }
         } else if interval.part < SHORTEST || !worst.is_finite() {
@@ -394,8 +394,8 @@ impl Set {
         Verdict::Divide { tail: worst, into: if (worst / allowed).powf(1.0 / ORDER) > 1.9 { 3 } else { 2 } }
     }
 
-    /// Take the interval as a panel. A component without a finite value there is 0.
-    fn take(&mut self, interval: &Interval) {
+    /// Adds the interval as a panel. A component without finite values there is set to 0.
+    fn add_panel(&mut self, interval: &Interval) {
         let series = &interval.series[self.components.clone()];
         let finite = |s: Series| if s.iter().all(|c| c.is_finite()) { s } else { [0.0; NODES] };
         self.table.borders.push(interval.b);
@@ -407,13 +407,13 @@ impl Set {
 struct Interval {
     a: f64,
     b: f64,
-    /// Length as a part of a panel of the grid.
+    /// Length relative to a panel of the grid.
     part: f64,
     series: Vec<Series>,
     largest: Vec<f64>,
-    /// Rounding in the values, relative to the largest.
+    /// Rounding error of the values, relative to the largest value.
     rounding: f64,
-    /// Largest tail of each set on the interval of which this one is a piece; NaN for a set that is resolved there.
+    /// Largest tail of each set on the parent interval. NaN for a set that is resolved there.
     parent_tails: Vec<f64>,
 }
 

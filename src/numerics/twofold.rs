@@ -1,11 +1,11 @@
-//! Numbers of twice the precision of `f64`: unevaluated sums of two.
+//! Numbers with twice the precision of `f64`: unevaluated sums of two numbers.
 //!
-//! It must not know what the numbers mean.
+//! Must not know: what the numbers mean.
 //! Source: T. J. Dekker, A floating-point technique for extending the available precision, Numerische Mathematik 18
 //! (1971) 224-242; D. E. Knuth, The Art of Computer Programming 2, 4.2.2.
 use std::ops::{Add, Mul, Neg, Sub};
 
-/// The sum high + low, |low| at most half a unit in the last place of high.
+/// The sum high + low. |low| is at most half a unit in the last place of high.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Twofold {
     high: f64,
@@ -30,7 +30,7 @@ const ODD: [Twofold; 5] = [
     Twofold { high: 2.7557319223985893e-06, low: -1.858393274046472e-22 },
     Twofold { high: 2.505210838544172e-08, low: -1.448814070935912e-24 },
 ];
-/// 1 / n! for n = 12, 14, 16 and n = 13, 15, 17, 19; the next terms are below 1e-32 at pi / 32.
+/// 1 / n! for n = 12, 14, 16 and n = 13, 15, 17, 19. The next terms are below 1e-32 at pi / 32.
 const EVEN_LAST: [f64; 3] = [2.08767569878681e-09, 1.1470745597729725e-11, 4.779477332387385e-14];
 const ODD_LAST: [f64; 4] =
     [1.6059043836821613e-10, 7.647163731819816e-13, 2.8114572543455206e-15, 8.22063524662433e-18];
@@ -65,13 +65,13 @@ impl Twofold {
         Self { high: power * self.high, low: power * self.low }
     }
 
-    /// The alternating series c0 - y (c1 - y (c2 - ...)), the last terms of which need no twofold sums.
+    /// The alternating series c0 - y (c1 - y (c2 - ...)). Its last terms need no twofold sums.
     fn series(self, first: &[Self], last: &[f64]) -> Self {
         let rest = last.iter().rev().fold(0.0, |rest, c| c - self.high * rest);
         first.iter().rev().fold(Self::from(rest), |rest, c| *c - self * rest)
     }
 
-    /// Cosine and sine, with an error of some 1e-31, for an angle of at most 1e6 rad.
+    /// Cosine and sine with an error of about 1e-31, for an angle of at most 1e6 rad.
     pub fn cos_sin(self) -> (Self, Self) {
         /// Number of times that the angle is halved.
         const HALVINGS: i32 = 3;
@@ -79,7 +79,7 @@ impl Twofold {
         let rest = QUARTER.into_iter().fold(self, |rest, part| rest - product(quarters, part));
         let small = rest.scaled(0.5_f64.powi(HALVINGS));
         let square = small * small;
-        // 1 - cos, which keeps its digits near 0, and sin: of twice the angle 2 v (2 - v) and 2 s (1 - v).
+        // Doubling formulas for v = 1 - cos, which keeps its digits near 0, and s = sin: 2 v (2 - v) and 2 s (1 - v).
         let one = Self::from(1.0);
         let (mut versine, mut sin) =
             (square * square.series(&EVEN, &EVEN_LAST), small - small * (square * square.series(&ODD, &ODD_LAST)));
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_and_products_keep_what_rounding_drops() {
+    fn sums_and_products_have_twice_the_precision() {
         let (one, small) = (Twofold::from(1.0), Twofold::from(1e-25));
         assert_eq!((one + small - one).rounded(), 1e-25);
         // (1 + 1e-25)^2 - 1 - 2e-25 = 1e-50.
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn the_sine_of_pi_rounded_is_what_rounding_dropped() {
+    fn the_sine_of_rounded_pi_is_its_rounding_error() {
         // pi = 3.14159265358979311600 + 1.2246467991473531772e-16 (both to twenty digits).
         let (_, sin) = Twofold::from(std::f64::consts::PI).cos_sin();
         assert!((sin.rounded() / 1.224_646_799_147_353_2e-16 - 1.0).abs() < 1e-15);

@@ -1,7 +1,7 @@
 //! Runs of one model from many start values, on several threads.
 //!
-//! In: a model, rows of start values, a stop time. Out: the outputs of each run at its stop time. Runs share nothing
-//! that is written, so the values of a run depend neither on the other runs nor on the number of threads.
+//! In: a model, rows of start values, a stop time. Out: the outputs of each run at its stop time. Runs share no mutable
+//! data, so the values of a run depend neither on the other runs nor on the number of threads.
 
 use super::{Simulation, SimulationError};
 use crate::component::{Component, Refused, Stepped};
@@ -12,17 +12,17 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Runs that a thread takes at a time.
+/// Number of runs in one work item of a thread.
 const CHUNK: usize = 64;
 /// Longest time between two calls of `watch`.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// A model, what differs from run to run, and what is read at the end of each.
+/// A model, the variables that differ between the runs, and the variables that are read at the end of each run.
 #[derive(Clone, Copy, Debug)]
 pub struct Ensemble<'a> {
     /// The model with the values that all runs share, not initialised.
     pub model: &'a Component,
-    /// Real inputs and parameters that differ from run to run.
+    /// Real inputs and parameters that differ between the runs.
     pub varied: &'a [Reference],
     /// Variables that are read at the stop time.
     pub outputs: &'a [Reference],
@@ -33,20 +33,20 @@ pub struct Ensemble<'a> {
 /// Values of many runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Runs {
-    /// Run by run, the value of each output at the stop time in SI units; 1 for true, the number of an item from 1 on.
-    /// NaN if the run failed or the output has no value.
+    /// For each run, the value of each output at the stop time in SI units. Booleans are 0 or 1, Enumerations the
+    /// number of the item from 1 on. NaN if the run failed or the output has no value.
     pub values: Vec<f64>,
     /// For each run with a NaN, ascending: number of the run from 0 on, and the reason.
     pub remarks: Vec<(usize, String)>,
 }
 
 impl Ensemble<'_> {
-    /// Make the runs whose start values `rows` has, one row of `varied.len()` numbers for each run, on so many threads.
-    /// `watch` is called with the number of finished runs at least every 50 ms; if it returns true, the other runs are
-    /// left out, and their values are NaN without a remark.
+    /// Makes the runs on `threads` threads. `rows`: start values, `varied.len()` numbers for each run. `watch` is
+    /// called with the number of finished runs at least every 50 ms. If `watch` returns true, the remaining runs are
+    /// omitted, and their values are NaN without a remark.
     ///
     /// # Errors
-    /// A variable of `varied` is an output or no Real.
+    /// A variable of `varied` is an output or not a Real.
     pub fn run(&self, rows: &[f64], threads: usize, mut watch: impl FnMut(usize) -> bool) -> Result<Runs, Refused> {
         for &reference in self.varied {
             let start = self.model.interface().get(reference).and_then(|variable| variable.start.as_ref());
@@ -70,7 +70,7 @@ impl Ensemble<'_> {
                                 let remark = runner.run(row, &mut values[k * read..][..read]);
                                 remarks.extend(remark.map(|remark| (chunk * CHUNK + k, remark)));
                             }
-                            // The receiver lives as long as this scope.
+                            // The receiver exists as long as this scope.
                             let _ = sender.send(rows.len() / width);
                         }
                         remarks
@@ -97,19 +97,19 @@ impl Ensemble<'_> {
     }
 }
 
-/// Continue a panic of a thread on the thread of the caller.
+/// Resumes a panic of a thread in the thread of the caller.
 fn resume(panic: Box<dyn std::any::Any + Send>) -> Vec<(usize, String)> {
     std::panic::resume_unwind(panic)
 }
 
-/// A model of a thread.
+/// The model of one thread.
 struct Runner<'a> {
     ensemble: &'a Ensemble<'a>,
     model: Component,
-    /// Places of the Reals among the outputs, and their references.
+    /// Indices of the Reals among the outputs, and their references.
     reals: Vec<(usize, Reference)>,
     references: Vec<Reference>,
-    /// Places of the other outputs.
+    /// Indices, references and kinds of the other outputs.
     others: Vec<(usize, Reference, Kind)>,
 }
 
@@ -126,10 +126,10 @@ impl<'a> Runner<'a> {
         Self { ensemble, model, references: reals.iter().map(|(_, own)| *own).collect(), reals, others }
     }
 
-    /// Make a run. Some: why values are NaN.
+    /// Makes a run. Returns the reason if a value is NaN.
     fn run(&mut self, row: &[f64], values: &mut [f64]) -> Option<String> {
         let remark = self.make(row, values);
-        // The next run starts from a known state.
+        // The next run must start from a known state.
         if remark.is_err() || matches!(self.model, Component::Hydraulic(_)) {
             self.model = self.ensemble.model.clone();
         }
@@ -180,14 +180,14 @@ impl<'a> Runner<'a> {
 }
 
 impl Simulation {
-    /// Outputs at `stop_time` [s] of many runs, on several threads. `rows` has the values of the named inputs and
-    /// parameters, run by run. All other values are the present values of this simulation, which does not change. The
-    /// values of a run are those that a simulation of its own has after one step from 0 s to `stop_time`.
+    /// Outputs of many runs at `stop_time` [s], computed on several threads. `rows` contains the values of the named
+    /// inputs and parameters, run by run. All other values are the present values of this simulation, which does not
+    /// change. The values of a run equal those of a separate simulation after one step from 0 s to `stop_time`.
     ///
     /// # Errors
-    /// No variable has one of the names, an input is an output or no Real, `stop_time` is not finite or < 0, or `rows`
-    /// is not a whole number of rows. A run that fails is no error: its values are NaN, and [`Runs::remarks`] has the
-    /// reason.
+    /// No variable has one of the names, or an input is an output or not a Real. `stop_time` is not finite or < 0, or
+    /// `rows` is not a whole number of rows. A failed run is not an error: its values are NaN, and [`Runs::remarks`]
+    /// states the reason.
     pub fn run_many(
         &self,
         inputs: &[&str],

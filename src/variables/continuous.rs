@@ -1,4 +1,4 @@
-//! The continuous states of a model and what belongs to them, for model exchange.
+//! The continuous states of a model, their derivatives and event indicators, for model exchange.
 
 use super::Reference;
 
@@ -7,7 +7,7 @@ use super::Reference;
 pub struct ContinuousTime {
     /// The states, in their order.
     pub states: Vec<Reference>,
-    /// The time derivative of each.
+    /// The time derivative of each state.
     pub derivatives: Vec<Reference>,
     /// The event indicators, in their order.
     pub indicators: Vec<Reference>,

@@ -1,8 +1,8 @@
-//! The table of variables: what a host can read and set.
+//! The table of variables that a host can read and set.
 //!
-//! In: the names, quantities and start values of a definition. Out: one list that drives get and set, the generated
-//! `modelDescription.xml`, its units and its ModelStructure. A variable's value reference is its index in the list.
-//! It must not know the FMI functions, nor any mechanics; causality, variability and initial are the standard's words.
+//! In: the names, quantities and start values of a definition. Out: one list. Reading, setting, `modelDescription.xml`,
+//! its units and its ModelStructure follow from the list. The value reference of a variable is its index in the list.
+//! Must not know: the FMI functions, mechanics. Causality, variability and initial have the meaning of the standard.
 
 mod continuous;
 mod terminal;
@@ -19,7 +19,7 @@ pub use terminal::{Member, Terminal};
 pub use unit::Unit;
 pub use vector::Vector;
 
-/// Names suggested for one that no variable has.
+/// Largest number of suggested names for an unknown name.
 const SUGGESTIONS: usize = 3;
 
 /// Index of a variable in the table; the FMI value reference.
@@ -30,14 +30,14 @@ pub type Reference = u32;
 pub enum Kind {
     /// 64-bit floating-point number.
     Real,
-    /// One of some items with names, by its number from 1 on.
+    /// One of several named items, by its number from 1 on.
     Enumeration,
     /// Truth value.
     Boolean,
 }
 
 impl Kind {
-    /// Word in the GUID; the type of FMI 2.0.
+    /// Word in the GUID, which is the type of FMI 2.0.
     pub fn word(self) -> &'static str {
         match self {
             Self::Real => "Real",
@@ -58,15 +58,15 @@ impl Kind {
 /// FMI 2.0.5, 2.2.7: who determines a variable's value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Causality {
-    /// Fixed by the host before the simulation; `initial` is exact.
+    /// Set by the host before the simulation; `initial` is exact.
     Parameter,
-    /// Computed here from parameters; `initial` is calculated.
+    /// Computed by the model from parameters; `initial` is calculated.
     CalculatedParameter,
-    /// Set by the host between steps; carries no `initial`.
+    /// Set by the host between steps; has no `initial`.
     Input,
-    /// Computed here; `initial` is calculated.
+    /// Computed by the model; `initial` is calculated.
     Output,
-    /// Computed here, to be looked at and not to be connected; `initial` is calculated.
+    /// Computed by the model, for display only and not for connections; `initial` is calculated.
     Local,
 }
 
@@ -86,9 +86,9 @@ impl Causality {
 /// FMI 2.0.5, 2.2.7: when a variable's value may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Variability {
-    /// Constant once initialised.
+    /// Constant after the initialisation.
     Fixed,
-    /// Of a parameter: changes when the host sets it between two steps.
+    /// A parameter that the host can set between two steps.
     Tunable,
     /// Changes at communication points only.
     Discrete,
@@ -119,14 +119,14 @@ pub enum Value {
     Item(String),
 }
 
-/// What is known of the values of a variable besides its kind.
+/// Properties of the values of a variable in addition to its kind.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Details {
-    /// Of an Enumeration: the names of its items, in the order of their numbers; else empty.
+    /// Of an Enumeration: the names of its items, in the order of their numbers. Otherwise empty.
     pub items: &'static [&'static str],
-    /// Of a Real: least and largest value, where there are such.
+    /// Of a Real: lower and upper bound, if they exist.
     pub bounds: [Option<f64>; 2],
-    /// Of a Real: usual size, where it is known.
+    /// Of a Real: typical size, if it is known.
     pub nominal: Option<f64>,
     /// Of a Real: the variable whose time derivative it is.
     pub derivative_of: Option<Reference>,
@@ -141,18 +141,18 @@ pub struct Variable {
     pub description: String,
     /// Type of the value.
     pub kind: Kind,
-    /// Who determines the value.
+    /// Origin of the value.
     pub causality: Causality,
     /// When the value may change.
     pub variability: Variability,
-    /// Unit; only a Real has one.
+    /// Unit, only of a Real.
     pub unit: Option<Unit>,
-    /// Start value: of every parameter and input, of nothing that is computed.
+    /// Start value of a parameter or input. None for computed variables.
     pub start: Option<Value>,
     /// Of an output: the inputs on which its present value depends, ascending. Of a calculated parameter: the
-    /// parameters that decide it, ascending. Else empty.
+    /// parameters in its expression, ascending. Otherwise empty.
     pub dependencies: Vec<Reference>,
-    /// What is known of its values.
+    /// Further properties of the values.
     pub details: Details,
 }
 
@@ -173,7 +173,7 @@ impl Variable {
     }
 }
 
-/// The variables of a model: what a host can read and set.
+/// The variables of a model that a host can read and set.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Interface {
     list: Vec<Variable>,
@@ -197,8 +197,8 @@ impl Interface {
         self.list.iter().position(|v| v.name == name).map(|i| i as Reference)
     }
 
-    /// Names spelled most like this one, the nearest first, for messages. Of a path in a definition, such as
-    /// `bodies.crank.length` or `start.angle`, the variable of this key is the nearest.
+    /// Names most similar to `name`, the most similar first, for messages. For a path in a definition, such as
+    /// `bodies.crank.length` or `start.angle`, the variable of this key is the first.
     pub fn nearest(&self, name: &str) -> Vec<&str> {
         let names = || self.list.iter().map(|variable| variable.name.as_str());
         let mut all = nearest(names(), name);
@@ -222,14 +222,14 @@ impl Interface {
     }
 }
 
-/// Those of some names that are spelled most like this one, the nearest first.
+/// The names that are most similar to `name`, the most similar first.
 pub fn nearest<'a>(names: impl Iterator<Item = &'a str>, name: &str) -> Vec<&'a str> {
     let mut names = sorted(names.collect(), |other| edits(name, other) as f64);
     names.truncate(SUGGESTIONS);
     names
 }
 
-/// Levenshtein's distance: the least number of letters inserted, removed or replaced to make one name of the other.
+/// Levenshtein distance: the least number of letters inserted, removed or replaced that makes one name into the other.
 pub fn edits(a: &str, b: &str) -> usize {
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, x) in a.bytes().enumerate() {
@@ -243,22 +243,22 @@ pub fn edits(a: &str, b: &str) -> usize {
     row[b.len()]
 }
 
-/// An interface with the quantity Q that the model looks up or computes for each variable.
+/// An interface with a quantity Q for each variable. Q states which value the model looks up or computes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variables<Q> {
     interface: Interface,
     quantities: Vec<Q>,
 }
 
-/// Name that two variables have.
+/// Name of two variables.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NamedTwice(pub String);
 
 impl<Q: Copy> Variables<Q> {
-    /// The variables of a model of this name, each with its quantity.
+    /// The variables of a model with this name, each with its quantity.
     ///
     /// # Errors
-    /// Two variables of one name.
+    /// Two variables have the same name.
     pub fn new(name: &str, list: Vec<Variable>, quantities: Vec<Q>) -> Result<Self, NamedTwice> {
         let mut names = HashSet::with_capacity(list.len());
         if let Some(twice) = list.iter().find(|v| !names.insert(v.name.as_str())) {
@@ -268,12 +268,12 @@ impl<Q: Copy> Variables<Q> {
         Ok(Self { interface: Interface { list, guid }, quantities })
     }
 
-    /// The variables of a model of which the GUID is known, so that no two have one name.
+    /// The variables of a model whose GUID is known, so that all names are different.
     pub fn with_guid(guid: String, list: Vec<Variable>, quantities: Vec<Q>) -> Self {
         Self { interface: Interface { list, guid }, quantities }
     }
 
-    /// [`Self::quantity`], in its place.
+    /// Reference to [`Self::quantity`].
     #[inline]
     pub fn quantity_of(&self, reference: Reference) -> Option<&Q> {
         self.quantities.get(reference as usize)
@@ -301,7 +301,7 @@ impl<Q> Deref for Variables<Q> {
 }
 
 /// Hash of the model's name and of each variable's name, kind, causality, variability and unit, in the form of a GUID.
-/// Start values and descriptions do not enter it.
+/// Start values and descriptions do not change the hash.
 fn guid(name: &str, list: &[Variable]) -> String {
     let fields = list.iter().flat_map(|v| {
         let unit = v.unit.map_or("", Unit::name);

@@ -1,14 +1,15 @@
 //! Variables that a user connects together.
 use super::{Reference, Variable};
 
-/// Variables that make up one connection, such as the force and the motion of one drive. Two terminals of one kind
-/// connect their members of the same names, as far as both have them: each pair is an output and an input of one
-/// quantity.
+/// Variables of one connection, such as the force and the motion of one drive. In a connection of two terminals of the
+/// same kind, members with equal names are connected, if both terminals have them. Each pair is an output and an input
+/// of one quantity.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Terminal {
-    /// Name of the connection, the part of its variables' names before the dot.
+    /// Name of the connection: the part of its variables' names before the dot.
     pub name: String,
-    /// Quantity that says where the drive is: `length`, `position` or `angle`. Terminals with another one do not fit.
+    /// Quantity that states the position of the drive: `length`, `position` or `angle`. Terminals of different kinds do
+    /// not fit.
     pub kind: String,
     /// One line of text.
     pub description: String,
@@ -19,14 +20,14 @@ pub struct Terminal {
 /// A variable of a connection.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Member {
-    /// Name by which it meets its counterpart.
+    /// Name, which equals the name of the connected member.
     pub name: String,
     /// The variable.
     pub variable: Reference,
 }
 
 impl Member {
-    /// The member that a variable is under the last part of its name.
+    /// The member for a variable, named by the last part of the variable's name.
     pub fn of(reference: Reference, variable: &Variable) -> Self {
         Self { name: variable.quantity().to_owned(), variable: reference }
     }

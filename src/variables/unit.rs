@@ -1,6 +1,6 @@
-//! Units of the variables, with what the XML must say of them.
+//! Units of the variables, with their properties in the XML.
 
-/// Unit of a Real; its quantity stands in the table of [`Unit::row`].
+/// Unit of a Real. The table in [`Unit::row`] states the quantity of each unit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, PartialOrd, Ord)]
 #[allow(missing_docs)]
 pub enum Unit {
@@ -121,7 +121,7 @@ impl Unit {
         }
     }
 
-    /// Name as it stands in the XML, such as `N.m`.
+    /// Name in the XML, such as `N.m`.
     pub const fn name(self) -> &'static str {
         self.row().0
     }
@@ -132,7 +132,7 @@ impl Unit {
         [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
     }
 
-    /// Display unit, where one is worth having: name and factor, with value in the display unit = factor * value.
+    /// Display unit, if there is one: name and factor. Value in the display unit = factor * value.
     pub fn display(self) -> Option<(&'static str, f64)> {
         let name = match self {
             Self::Radian => "deg",

@@ -1,7 +1,7 @@
 //! Vectors of the plane: array variables in addition to the scalars that are their elements.
 use super::Reference;
 
-/// Two Real outputs of one owner and unit, along x and y, as one variable. FMI 3.0 has it; FMI 2.0 has scalars alone.
+/// Two Real outputs along x and y with the same owner and unit, as one variable. Exists only in FMI 3.0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Vector {
     /// Structured name, such as `joint1.reaction`.

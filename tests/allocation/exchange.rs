@@ -1,4 +1,5 @@
-//! The same of model exchange, in both versions: derivatives, event indicators, states tried, steps completed, events.
+//! Memory allocations in model exchange, in both FMI versions: derivatives, event indicators, trial states, completed
+//! steps, events.
 use super::assert_allocates_nothing_again;
 use super::host::FOLDER;
 use linkage_fmu::fmi2::host::Description;
@@ -7,8 +8,7 @@ use linkage_fmu::fmi3::host::Host;
 use linkage_fmu::fmi3::types::Status;
 use std::path::Path;
 
-/// A run of Euler's method, through the up stop: what it reads, and how often it was in event mode after the first
-/// time.
+/// A run of Euler's method through the up stop. Returns the values that it read, and the number of events.
 macro_rules! run {
     ($host:expr, $description:expr, $status:ident) => {{
         let (host, h) = (&$host, 2e-4);
@@ -23,7 +23,7 @@ macro_rules! run {
         assert_eq!(host.enter_continuous_time_mode(), $status::Ok);
         assert_eq!(host.save_into(&mut start), $status::Ok);
         let step = |n: i32| {
-            // Round after round from the same state, in long steps: each comes to the stop.
+            // Each round of ten long steps starts from the saved state and reaches the stop.
             if n % 10 == 0 {
                 assert_eq!(host.restore(&start), $status::Ok);
             }
@@ -68,7 +68,7 @@ fn model_exchange_of_fmi_3_allocates_nothing() {
     run!(host, description, Status);
 }
 
-/// A prescribed motion: each time places the mechanism anew.
+/// A prescribed motion: each new time places the mechanism again.
 #[test]
 fn model_exchange_of_a_prescribed_motion_allocates_nothing() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/SmoothRetraction");

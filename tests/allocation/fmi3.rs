@@ -1,4 +1,4 @@
-//! The same of FMI 3.0: steps, vectors, derivatives, event mode, intermediate updates.
+//! Memory allocations in FMI 3.0: steps, vectors, derivatives, event mode, intermediate updates.
 use super::assert_allocates_nothing_again;
 use super::host::FOLDER;
 use linkage_fmu::fmi2::host::{Description, State};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
 
-/// References of the gear's variables; vectors come after the time.
+/// References of the gear's variables. The references of vectors follow the reference of the time.
 struct Gear {
     description: Arc<Description>,
 }
@@ -66,7 +66,8 @@ fn a_step_with_vectors_and_derivatives_allocates_nothing() {
     assert_eq!(host.free(&mut start), Status::Ok);
 }
 
-/// From a state shortly before the up stop a step ends there; the impact follows in event mode, and the step goes on.
+/// From a state shortly before the up stop: a step ends at the stop, event mode applies the impact, and the step is
+/// completed.
 #[test]
 fn an_event_allocates_nothing() {
     const BEFORE: f64 = 0.13;
@@ -99,9 +100,9 @@ fn an_event_allocates_nothing() {
 #[test]
 fn an_intermediate_update_allocates_nothing() {
     let gear = Gear::new();
-    let told = Rc::new(Cell::new(0));
+    let updates = Rc::new(Cell::new(0));
     let (count, [position], [force]) =
-        (Rc::clone(&told), gear.vectors(["wheel.position"]), gear.scalars(["joint1.force"]));
+        (Rc::clone(&updates), gear.vectors(["wheel.position"]), gear.scalars(["joint1.force"]));
     let update: Box<Update> = Box::new(move |calls, _| {
         let mut values = [0.0; 3];
         assert_eq!(calls.reals(&[position, force], &mut values), Status::Ok);
@@ -117,6 +118,6 @@ fn an_intermediate_update_allocates_nothing() {
         assert_eq!((status, stepped.last), (Status::Ok, 0.12));
     };
     assert_allocates_nothing_again(|| {}, exchange, "intermediate updates");
-    assert!(told.get() >= 400, "{}", told.get());
+    assert!(updates.get() >= 400, "{}", updates.get());
     assert_eq!(host.free(&mut state), Status::Ok);
 }

@@ -1,4 +1,4 @@
-//! The success path of a communication step allocates nothing.
+//! A communication step without errors allocates no memory.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
 #[path = "../support/counting.rs"]
@@ -17,7 +17,7 @@ use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2GetRealOutputDerivativ
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Kind;
 
-/// Most allocations and bytes of a saved state.
+/// Largest number of allocations and of bytes of a saved state.
 const STATE_BLOCKS: usize = 8;
 const STATE_BYTES: isize = 2048;
 #[test]
@@ -91,7 +91,8 @@ fn reals(description: &Description) -> Vec<u32> {
     list.filter(|(_, variable)| variable.kind == Kind::Real).map(|(reference, _)| reference).collect()
 }
 
-/// The hydraulic actuator in both modes, with all inputs, derivatives, outputs and a state that is used again.
+/// The hydraulic actuator in both modes, with all inputs, derivatives and outputs, and with a state that is saved
+/// repeatedly.
 #[test]
 fn nor_does_the_hydraulic_actuator() {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/HydraulicActuator");
@@ -147,14 +148,14 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
         let gear = description.instantiate(None, false).unwrap();
         assert_eq!(gear.set_boolean("downstop.enabled", held), Status::Ok);
         assert_eq!(gear.set("command.ramp_amplitude", 0.0), Status::Ok);
-        // More of it presses the gear against its down stop.
+        // This pressure presses the gear against its down stop.
         assert_eq!(gear.set("chamber_b.start_pressure", 15e6), Status::Ok);
         assert_eq!(gear.initialize(), Status::Ok);
         let reals = reals(&description);
         let mut values = vec![0.0; reals.len()];
         let inputs = ["valve.command", "supply.pressure"].map(|name| gear.reference(name));
         let (mut state, mut derivatives) = (State::NONE, [0.0]);
-        // A state has the inputs too.
+        // A saved state includes the inputs.
         assert_eq!(gear.set("valve.command", -0.1), Status::Ok);
         let exchange = |n: i32| {
             let t = f64::from(n) * h;
@@ -205,8 +206,8 @@ fn nor_does_an_integral_part() {
     assert_eq!(drive.free(&mut state), Status::Ok);
 }
 
-/// A state that is saved and restored in every step costs no evaluation and no further integration step, and takes one
-/// small block of memory. With the test above these are all its costs; `cargo fmu bench` has the times.
+/// Saving and restoring a state in every step needs no evaluation, no additional integration step, and one small block
+/// of memory. Together with the test above these are all its costs. `cargo fmu bench` measures the times.
 #[test]
 fn a_state_costs_no_evaluation_and_few_bytes() {
     let statistics = |friction: bool, with_state: bool| {
@@ -229,7 +230,7 @@ fn a_state_costs_no_evaluation_and_few_bytes() {
     }
     let gear = Gear::stepping(0.0, None);
     assert_eq!(gear.step(0.0, 1e-3), Status::Ok);
-    // The mechanism is hashed when a state is first saved.
+    // The mechanism is hashed when a state is saved for the first time.
     assert_eq!(gear.free(&mut gear.save()), Status::Ok);
     let before = (allocations(), live());
     let mut state = gear.save();
@@ -239,9 +240,10 @@ fn a_state_costs_no_evaluation_and_few_bytes() {
     assert_eq!(live(), before.1);
 }
 
-/// A step allocates where an open curve grows, once for a stretch that is eight times as long as the one before.
+/// A step allocates memory only for a new stretch of an open curve. Each stretch is eight times as long as the previous
+/// one.
 #[test]
-fn growth_alone_allocates() {
+fn only_growth_allocates() {
     let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
       "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
       "start": { "joint": "rail", "position": 0, "speed": 100 }, "guess": { "rail": 0 } }"#;
@@ -255,7 +257,7 @@ fn growth_alone_allocates() {
         assert!((model.real(position).unwrap() / (10.0 * f64::from(k)) - 1.0).abs() < 1e-12);
         grown += u32::from(allocations() > before);
     }
-    // 1e5 m are 5e6 sizes, or 1e2 times 8^5.2.
+    // 1e5 m are 5e6 sizes of the mechanism, or 1e2 times 8^5.2.
     assert_eq!(grown, 6);
 }
 
@@ -277,8 +279,8 @@ fn exchange_allocates_nothing(method: &str) {
     assert_allocates_nothing(&gear, exchange, method);
 }
 
-/// Nothing is allocated from the tenth round on of a run that was made before: tables are built when an output first
-/// asks for them, those of reactions panel by panel. `rewind` brings the run back to its begin.
+/// A repeated run allocates no memory from its tenth round on. Tables are built when an output first needs them, those
+/// of reactions panel by panel. `rewind` restores the start of the run.
 fn assert_allocates_nothing_again(rewind: impl FnOnce(), mut round: impl FnMut(i32), what: &str) {
     (0..200).for_each(&mut round);
     rewind();
@@ -288,7 +290,7 @@ fn assert_allocates_nothing_again(rewind: impl FnOnce(), mut round: impl FnMut(i
     assert_eq!(allocations(), before, "{what}");
 }
 
-/// [`assert_allocates_nothing_again`] of a host of FMI 2.0.
+/// [`assert_allocates_nothing_again`] for a host of FMI 2.0.
 fn assert_allocates_nothing(host: &Host, round: impl FnMut(i32), what: &str) {
     let mut start = State::NONE;
     assert_eq!(host.save_into(&mut start), Status::Ok);

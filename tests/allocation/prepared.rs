@@ -1,24 +1,24 @@
-//! With `solver.prepare` the initialisation makes everything: no step and no get allocates or reads a file, from the
-//! first one on.
+//! With `solver.prepare` the initialisation builds all tables: from the first one on, no step and no get function
+//! allocates memory or reads a file.
 use super::counting::allocations;
 use linkage_fmu::component::{Component, MECHANISM, Stepped, TABLES};
 use linkage_fmu::variables::{Kind, Reference};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Length of a step [s]; steps after which all outputs are read, and steps in all, unless the environment variable
-/// LINKAGE_FMU_STEPS has another number.
+/// Length of a step [s], number of steps after which all outputs are read, and number of steps. The environment
+/// variable LINKAGE_FMU_STEPS changes the last number.
 const STEP: f64 = 1e-3;
 const READ: usize = 1500;
 const STEPS: usize = 10_000;
-/// This example leaves what is prepared of its motion after 16 s, so that it never makes more steps.
+/// After 16 s the motion of this example leaves the prepared part of its curve, so it never makes more steps.
 const OPEN: &str = "GearTrain/";
-/// Examples with reactions that no table resolves where branches cross: there the exact evaluator may allocate so often
-/// in all steps and readings together.
+/// Examples with reactions that have no table near a crossing. There the exact evaluator may allocate this often in all
+/// steps and readings together.
 const WITHOUT_TABLES: [&str; 2] = ["FourBarChain/", "MainGear/"];
 const MOST: usize = 200;
 
-/// The examples that are mechanisms.
+/// The folders of the examples that are mechanisms.
 fn examples() -> Vec<PathBuf> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription");
     let all = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path().join("resources"));
@@ -50,12 +50,12 @@ fn a_prepared_mechanism_allocates_nothing_from_the_first_step_on() {
         prepare(&mut prepared);
         fs::remove_dir_all(&kept).unwrap();
         plain.initialize().unwrap();
-        runs_alike(&folder, &mut prepared, &mut plain);
+        assert_equal_runs(&folder, &mut prepared, &mut plain);
     }
 }
 
-/// Both have the same values, and the prepared one allocates nothing.
-fn runs_alike(folder: &Path, prepared: &mut Component, plain: &mut Component) {
+/// Both runs have equal values, and the prepared one allocates no memory.
+fn assert_equal_runs(folder: &Path, prepared: &mut Component, plain: &mut Component) {
     let outputs = outputs(plain);
     let [mut values, mut expected] = [(); 2].map(|()| Vec::with_capacity(outputs.len()));
     let is_tabled = !WITHOUT_TABLES.iter().any(|name| folder.to_string_lossy().contains(name));

@@ -17,9 +17,9 @@ from axe_playwright_python.sync_playwright import Axe
 from playwright.sync_api import Browser, BrowserContext, Page, sync_playwright
 
 REPOSITORY = Path(__file__).resolve().parents[2]
-#: Where the packed FMUs are.
+#: Folder of the packed FMUs.
 FMU_FOLDER = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
-#: Nothing of Chromium's own goes to the network; /dev/shm may be small in a container.
+#: Chromium itself must not use the network. /dev/shm may be small in a container.
 FLAGS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -47,24 +47,24 @@ class Made:
 
     path: Path
     code: int
-    told: str
+    output: str
 
 
 @dataclass
 class Shown:
-    """A page in the browser, with all that went wrong in it."""
+    """A page in the browser, with all errors and warnings that occurred in it."""
 
     page: Page
     problems: list[str] = field(default_factory=list)
     requests: list[str] = field(default_factory=list)
 
     def hear(self, kind: str, text: str) -> None:
-        """A message on the console: a problem, unless Bokeh tells that it has begun and ended to draw."""
+        """A message on the console: a problem, except for Bokeh's messages at the start and the end of a drawing."""
         if kind in ("error", "warning") or not text.startswith("[bokeh "):
             self.problems.append(f"console: {text}")
 
     def data(self) -> dict[str, Any]:
-        """What the page was given."""
+        """The data of the page."""
         return json.loads(self.page.locator("#data").text_content() or "")
 
     def values(self, name: str) -> list[float]:
@@ -79,13 +79,13 @@ class Shown:
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
     def cell(self, name: str, column: int = 0) -> str:
-        """Number in the row of a variable: 0 in SI units, 1 in display units."""
+        """Number in the table row of a variable: column 0 in SI units, column 1 in display units."""
         cells = self.page.locator(f'#values tr[data-variable="{name}"] td.number')
         return cells.nth(column).locator("span").inner_text()
 
 
 def until(shown: Shown, condition: str, seconds: float = 20.0) -> None:
-    """Wait until a condition holds; the page's own policy forbids to have it evaluated there."""
+    """Wait until a condition holds. The page's own policy forbids evaluating the condition in the page."""
     end = time.monotonic() + seconds
     while not shown.page.evaluate(condition):
         assert time.monotonic() < end, f"not within {seconds} s: {condition}"
@@ -101,7 +101,7 @@ def inaccessible(shown: Shown) -> list[str]:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[Browser]:
-    """Chromium; CHROMIUM names another program."""
+    """Chromium. The environment variable CHROMIUM names another program."""
     program = os.environ.get("CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
     assert program, "no Chromium: install it (Debian: apt-get install chromium) or name it in CHROMIUM"
     with sync_playwright() as playwright:
@@ -112,7 +112,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture(scope="session")
 def make(tmp_path_factory: pytest.TempPathFactory) -> Make:
-    """Writes the page of a definition; LINKAGE_VIEW names the program."""
+    """Writes the page of a definition. The environment variable LINKAGE_VIEW names the program."""
     program = os.environ.get("LINKAGE_VIEW")
     assert program, "LINKAGE_VIEW names no program; run the tests by `cargo fmu test`"
     folder = tmp_path_factory.mktemp("pages")
@@ -137,7 +137,7 @@ Show = Callable[..., Shown]
 
 @pytest.fixture
 def show(browser: Browser) -> Iterator[Show]:
-    """Opens pages; each is closed after the test, and must have had no problem."""
+    """Opens pages. Each page is closed after the test and must have had no problem."""
     contexts: list[BrowserContext] = []
     opened: list[Shown] = []
 

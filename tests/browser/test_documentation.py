@@ -1,4 +1,4 @@
-"""The documentation in the packed FMUs: it loads without errors, and what it draws is what the engine says."""
+"""The documentation in the packed FMUs: it loads without errors, and its drawings agree with the engine."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
     assert page.title() == name
     drawing = page.locator("figure .wide svg[role=img]")
     assert drawing.count() == 1
-    # Its name and its description are what assistive software reads.
+    # Screen readers read the name and the description of the drawing.
     named = drawing.get_attribute("aria-labelledby") or ""
     assert all((page.locator(f"#{part}").text_content() or "").strip() for part in named.split())
     assert len(named.split()) == 2
@@ -61,13 +61,13 @@ def test_each_page_loads_without_errors_or_requests(name: str, scheme: str, unpa
     assert all(b - a <= 1 for a, b in itertools.pairwise(headings))
 
 
-def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
-    """A description and a README that would be scripts, pictures and ends of elements."""
-    hostile = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
+def test_markup_in_texts_has_no_effect(tmp_path: Path, show: Show) -> None:
+    """A description and a README that contain scripts, pictures and closing tags."""
+    markup = "</script></svg></style><img src=https://x.y/z onerror=alert(1)> \"'& \u202ereversed {{ 7*7 }}"
     mechanism = definition("FourBar")
-    mechanism["description"] = hostile
+    mechanism["description"] = markup
     (tmp_path / "mechanism.json").write_text(json.dumps(mechanism), encoding="utf-8")
-    readme = f"# {hostile}\n\n{hostile}\n\n<script>alert(2)</script>\n\n[link](javascript:alert(3))\n"
+    readme = f"# {markup}\n\n{markup}\n\n<script>alert(2)</script>\n\n[link](javascript:alert(3))\n"
     (tmp_path / "README.md").write_text(readme, encoding="utf-8")
     program = os.environ["LINKAGE_VIEW"]
     command = [program, "package", str(tmp_path), "--out", str(tmp_path / "out")]
@@ -77,11 +77,11 @@ def test_hostile_texts_do_nothing(tmp_path: Path, show: Show) -> None:
         archive.extractall(tmp_path / "unpacked")
     page = opened(show, tmp_path / "unpacked").page
     assert page.locator("script, img, a[href^=javascript]").count() == 0
-    assert page.locator("p.lead").inner_text() == hostile
+    assert page.locator("p.lead").inner_text() == markup
     assert page.locator(".readme h3").inner_text().endswith("{{ 7*7 }}")
-    # The animation takes its texts as data.
+    # The animation receives its texts as data.
     shown = show(tmp_path / "unpacked" / "documentation" / "animation.html")
-    assert shown.data()["description"] == hostile
+    assert shown.data()["description"] == markup
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -99,7 +99,7 @@ def test_nothing_is_wider_than_the_page(name: str, width: int, unpacked: Unpack,
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_letters_stand_out(scheme: str, unpacked: Unpack, show: Show) -> None:
-    """Contrast of text to what is behind it: 4.5 after WCAG 2.2."""
+    """Contrast of text and background: at least 4.5 according to WCAG 2.2."""
     page = opened(show, unpacked(GEAR), scheme=scheme).page
     colours = page.evaluate(
         """() => ["--ink", "--muted", "--accent"].flatMap((name) => ["--bg", "--panel", "--soft"].map((ground) => {
@@ -119,7 +119,7 @@ def test_letters_stand_out(scheme: str, unpacked: Unpack, show: Show) -> None:
 
 
 def test_drawn_joints_are_where_the_engine_has_them(unpacked: Unpack, show: Show) -> None:
-    """Against the first row of the reference results and the definition's lengths."""
+    """Drawn joints against the first row of the reference results and the lengths of the definition."""
     folder = unpacked(GEAR)
     shown = opened(show, folder)
     bodies = json.loads((folder / "resources" / "mechanism.json").read_text(encoding="utf-8"))["bodies"]
@@ -156,11 +156,11 @@ def test_names_in_the_drawing_stand_apart(unpacked: Unpack, show: Show) -> None:
             for b in found[k + 1 :]:
                 wide = min(a["x"] + a["width"], b["x"] + b["width"]) - max(a["x"], b["x"])
                 high = min(a["y"] + a["height"], b["y"] + b["height"]) - max(a["y"], b["y"])
-                # Boxes hold the room above and below letters; these may meet.
+                # A text box includes the space above and below the letters, in which boxes may overlap.
                 assert wide <= 0 or high <= 5, name
 
 
-def test_the_links_lead_to_the_animation_and_the_results(unpacked: Unpack, show: Show) -> None:
+def test_the_links_open_the_animation_and_the_results(unpacked: Unpack, show: Show) -> None:
     folder = unpacked(GEAR)
     page = opened(show, folder).page
     links = page.locator("ul.links a").all()

@@ -1,4 +1,4 @@
-"""The page of `cargo fmu view --live`: a server, the definition as text, handles, sliders."""
+"""The page of `cargo fmu view --live`: the server, the editor, handles and sliders."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from conftest import REPOSITORY, Shown, inaccessible, until
 from playwright.sync_api import Browser
 
 GEAR = (REPOSITORY / "modelDescription/LandingGearRetraction/resources/mechanism.json").read_text(encoding="utf-8")
-#: A slider-crank as it is drawn, in mm.
+#: A drawn slider-crank in mm.
 DRAWN = re.search(
     r"## Example\n```json\n(.*?)```", (REPOSITORY / "docs/reference/mechanism/drawn.md").read_text("utf-8"), re.DOTALL
 )
@@ -53,7 +53,7 @@ Serve = Callable[..., Live]
 
 @pytest.fixture
 def serve(browser: Browser, tmp_path: Path) -> Iterator[Serve]:
-    """Serves a text as a file; each page must have had no problem, and no request to another server."""
+    """Serves a text as a file. Each page must have had no problem and no request to another server."""
     program = os.environ.get("LINKAGE_VIEW")
     assert program, "LINKAGE_VIEW names no program; run the tests by `cargo fmu test`"
     started: list[tuple[subprocess.Popen[str], Live]] = []
@@ -84,7 +84,7 @@ def text_of(shown: Shown) -> str:
 
 
 def edit(shown: Shown, before: str, after: str) -> None:
-    """Put a text in the place of another one as a user does, in the editor."""
+    """Replace a text by another text in the editor, as a user does."""
     place = shown.page.evaluate(f"(before) => {EDITOR}.text.indexOf(before)", before)
     assert place >= 0, before
     shown.page.evaluate(f"([from, to]) => {EDITOR}.goTo(from, to)", [place, place + len(before)])
@@ -92,12 +92,12 @@ def edit(shown: Shown, before: str, after: str) -> None:
 
 
 def settled(shown: Shown) -> None:
-    """Wait until the page shows the text that the editor has."""
+    """Wait until the page shows the text of the editor."""
     until(shown, f"mechanism.live.runs.last.text === {EDITOR}.text && !mechanism.live.runs.isOut")
 
 
 def drag(shown: Shown, handle: str, x: float, y: float) -> None:
-    """Drag a handle by so many pixels."""
+    """Drag a handle by this number of pixels."""
     a, b = shown.center(f'[data-handle="{handle}"] .ring')
     mouse = shown.page.mouse
     mouse.move(a, b)
@@ -116,7 +116,7 @@ def test_a_save_outside_is_shown(serve: Serve) -> None:
     shown.page.evaluate("mechanism.seek(100)")
     live.file.write_text(GEAR.replace("0.1755", "0.1765"), encoding="utf-8")
     until(shown, f"{length} === 0.1765")
-    # Some editors write another file, and rename it.
+    # Some editors write a new file and rename it.
     other = live.file.with_suffix(".new")
     other.write_text(GEAR.replace("0.1755", "0.1745"), encoding="utf-8")
     other.replace(live.file)
@@ -135,7 +135,7 @@ def test_text_is_edited_checked_and_saved(serve: Serve) -> None:
     settled(shown)
     assert shown.values("actuator.force")[0] == 40000
     assert page.locator("#live-state").inner_text() == "Not saved"
-    # No JSON: the place is marked, the motion stays.
+    # The text is no JSON: the place is marked, the motion remains.
     edit(shown, '"shape": "uniform_rod", "axial_stiffness": 2.1e9', '"shape": "rod", "axial_stiffness": 2.1e9')
     settled(shown)
     assert page.locator("body.stale").count() == 1
@@ -145,7 +145,7 @@ def test_text_is_edited_checked_and_saved(serve: Serve) -> None:
     page.keyboard.press("Control+z")
     settled(shown)
     assert page.locator("body.stale, .cm-lintRange-error").count() == 0
-    # Open loops: the gap is drawn over the last motion.
+    # The loops cannot close: the gap is drawn over the last motion.
     edit(shown, "0.217", "0.02")
     settled(shown)
     assert page.locator("body.stale").count() == 1
@@ -158,7 +158,7 @@ def test_text_is_edited_checked_and_saved(serve: Serve) -> None:
     page.keyboard.press("Control+s")
     until(shown, "document.getElementById('live-state').textContent === 'Saved'")
     assert live.file.read_bytes() == before.replace(b"30000", b"40000")
-    # The words of the schema.
+    # The editor offers the words of the schema.
     edit(shown, '"solver": {', '"solver": { ')
     page.keyboard.type('"prep')
     page.locator(".cm-tooltip-autocomplete").wait_for()
@@ -173,14 +173,14 @@ def test_points_and_stops_are_dragged(serve: Serve) -> None:
     drag(shown, "bodies.follower.points.actuator", 0, 40)
     found = re.search(r'"actuator": \[(-?[\d.]+), (-?[\d.]+)\] }\s+}\s+},\s+"joints"', text_of(shown))
     assert found
-    # The axes of the follower turn with it; what the point moved is what the pointer moved.
+    # The axes of the follower turn with the follower. The distance of the point equals that of the pointer.
     moved = [float(found[1]) - 0.020, float(found[2]) - 0.120]
     assert (moved[0] ** 2 + moved[1] ** 2) ** 0.5 == pytest.approx(40 / scale, abs=2e-3)
     assert all(len(number.split(".")[1]) <= 3 for number in found.groups())
     pair = found[0].split("}")[0]
     assert text_of(shown) == before.replace('"actuator": [0.020, 0.120] ', pair)
     at = shown.center('[data-handle="bodies.follower.points.actuator"] .ring')
-    # One drag is one step back, and forth.
+    # One drag is one step of undo and redo.
     shown.page.get_by_role("button", name="Undo").click()
     settled(shown)
     assert text_of(shown) == before
@@ -199,7 +199,7 @@ def test_a_drawn_joint_moves_both_bodies(serve: Serve) -> None:
     live = serve(DRAWN[1])
     shown = live.open()
     scale = shown.page.evaluate("mechanism.drawing.scale")
-    # The motion starts at 30 deg; the drawing has atan(60 / 80).
+    # The motion starts at 30 deg. The drawing has atan(60 / 80).
     drag(shown, "bodies.crank.drawn.points.eye", 25, 0)
     eye = re.search(r'"eye": \[(-?[\d.]+), (-?[\d.]+)\]', text_of(shown))
     assert eye
@@ -245,7 +245,7 @@ def test_two_pages_share_the_file(serve: Serve) -> None:
     one.page.get_by_role("button", name="Save").click()
     until(other, f"{EDITOR}.text.includes('31000')")
     settled(other)
-    # A text that is not saved is kept, until the user has chosen.
+    # A text that is not saved is kept until the user has chosen.
     edit(other, "36.8", "36.9")
     edit(one, "31000", "32000")
     one.page.get_by_role("button", name="Save").click()
@@ -262,7 +262,7 @@ def test_two_pages_share_the_file(serve: Serve) -> None:
     assert text_of(other) == GEAR == text_of(one)
 
 
-def test_a_deleted_file_is_said_and_written_again(serve: Serve) -> None:
+def test_a_deleted_file_is_reported_and_can_be_written_again(serve: Serve) -> None:
     live = serve(GEAR)
     shown = live.open()
     live.file.unlink()
@@ -282,7 +282,7 @@ def test_numbers_in_messages_have_few_digits(serve: Serve) -> None:
     assert re.search(r"-0\.00333333\b", shown.page.locator("#findings").inner_text())
 
 
-def test_hostile_texts_are_texts(serve: Serve) -> None:
+def test_markup_in_texts_stays_text(serve: Serve) -> None:
     evil = "</script><img src=x onerror=alert(1)>"
     live = serve(GEAR.replace("Retraction mechanism of", evil), "a&lt;b'\"<i>.json")
     shown = live.open()

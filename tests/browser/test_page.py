@@ -1,4 +1,4 @@
-"""What a page shows and does, against the engine's numbers and closed forms."""
+"""Content and behaviour of a page, against the numbers of the engine and closed forms."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def number(text: str) -> float:
 
 
 def gear_points(shown: Shown, index: int) -> dict[str, tuple[float, float]]:
-    """Points of the gear [m] from the angles and the marker that the engine gives, and the definition's lengths."""
+    """Points of the gear [m] from the angles and the marker of the engine, and the lengths of the definition."""
     crank, follower = (shown.values(f"{body}.angle")[index] for body in ("crank", "follower"))
     lengths = {body: GEAR["bodies"][body]["length"] for body in ("crank", "follower")}
     return {
@@ -46,7 +46,7 @@ def gear_points(shown: Shown, index: int) -> dict[str, tuple[float, float]]:
 @pytest.mark.parametrize("name", ["LandingGearRetraction", "SliderCrank", "FourBar", "Jib", "CraneJib", "SlCrank"])
 def test_a_page_loads_without_errors_or_requests(name: str, make: Make, show: Show) -> None:
     made = make(definition(name))
-    assert made.code == 0, made.told
+    assert made.code == 0, made.output
     shown = show(made.path)
     assert shown.page.title() == name
     assert shown.page.locator("#drawing .body").count() >= 1
@@ -58,7 +58,7 @@ def test_a_page_loads_without_errors_or_requests(name: str, make: Make, show: Sh
 def test_drawn_points_are_the_engines_to_a_pixel(index: int, make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     seek(shown, index)
-    # The ground pins tell the scale.
+    # The ground pins give the scale.
     (x1, y1), (x4, y4) = shown.center("[data-joint=joint1]"), shown.center("[data-joint=joint4]")
     scale = (x4 - x1) / BASE
     assert scale > 200
@@ -100,7 +100,7 @@ def test_it_plays_pauses_and_repeats(make: Make, show: Show) -> None:
     stopped = page.evaluate("mechanism.clock.index")
     page.wait_for_timeout(150)
     assert page.evaluate("mechanism.clock.index") == stopped
-    # At the end it begins again, unless told not to.
+    # At the end the animation starts again, unless repetition is off.
     page.get_by_label("Speed relative to real time").select_option("1")
     page.evaluate("mechanism.seek(295)")
     page.get_by_role("button", name="Play").click()
@@ -140,7 +140,8 @@ def test_the_plots_cursor_agrees_with_the_table(make: Make, show: Show) -> None:
         exact = samples[low] + (index - low) * (samples[min(low + 1, 300)] - samples[low])
         assert number(shown.cell("crank.angle")) == pytest.approx(exact, rel=1e-4, abs=1e-6)
         assert number(shown.cell("crank.angle", 1)) == pytest.approx(math.degrees(exact), rel=1e-4, abs=1e-4)
-        # The cursor stands at the time, its dot at the value: over the plot both are straight lines.
+        # The cursor is at the present time and its dot at the value. Both are linear functions of the position in the
+        # plot.
         over = page.locator("figure[data-unit=deg] .u-over").bounding_box()
         dot = page.locator("[data-dot='crank.angle']").bounding_box()
         assert over is not None
@@ -185,7 +186,7 @@ def test_the_travel_goes_from_stop_to_stop(make: Make, show: Show) -> None:
 
 
 def length_of(shown: Shown, name: str) -> float:
-    """Length of a drawn arrow [px]: from its first point to its tip."""
+    """Length of a drawn arrow [px], from its first point to its tip."""
     path = shown.page.locator(f"[data-arrow='{name}'].reaction path").first.get_attribute("d") or ""
     points = [tuple(map(float, pair)) for pair in re.findall(r"(-?[\d.]+) (-?[\d.]+)", path)]
     return math.dist(points[0], points[3])
@@ -215,7 +216,7 @@ def test_reactions_are_arrows_to_scale_that_can_be_switched(make: Make, show: Sh
         seek(shown, index)
         scales += [length_of(shown, joint) / shown.values(f"{joint}.force")[index] for joint in ("joint1", "joint4")]
     assert max(scales) == pytest.approx(min(scales), rel=0.01)
-    # The key's arrow has the same scale.
+    # The arrow in the legend has the same scale.
     words = shown.page.locator(".key text").text_content()
     key = shown.page.evaluate("document.querySelector('.key path').getBBox().width")
     assert words == "50 kN"
@@ -225,14 +226,14 @@ def test_reactions_are_arrows_to_scale_that_can_be_switched(make: Make, show: Sh
 def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show: Show) -> None:
     made = make(broken())
     assert made.code == 1
-    assert str(made.path) in made.told
-    assert "the loop of joint4 cannot close" in made.told
+    assert str(made.path) in made.output
+    assert "the loop of joint4 cannot close" in made.output
     shown = show(made.path)
     assert shown.page.get_by_role("alert").is_visible()
     assert "the positions of the guess" in shown.page.get_by_role("alert").inner_text()
     words = shown.page.locator("[data-gap=joint4] text").text_content() or ""
     gap = float(words.split()[-2])
-    # The crank's two pins tell the scale.
+    # The two pins of the crank give the scale.
     scale = math.dist(shown.center("[data-joint=joint1]"), shown.center("[data-joint=joint2]")) / 0.1755
     circles = shown.page.locator("[data-gap=joint4] circle")
     ends = [[float(circles.nth(k).get_attribute(axis) or "nan") for axis in ("cx", "cy")] for k in (0, 1)]
@@ -257,7 +258,7 @@ def test_names_do_not_collide_and_all_have_room(make: Make, show: Show) -> None:
         assert page.locator("#drawing .name:visible").count() >= 20
 
 
-def test_the_drawing_zooms_moves_and_comes_back(make: Make, show: Show) -> None:
+def test_the_drawing_can_be_zoomed_moved_and_reset(make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     page = shown.page
     before = shown.center("[data-joint=joint3]")
@@ -265,7 +266,7 @@ def test_the_drawing_zooms_moves_and_comes_back(make: Make, show: Show) -> None:
     page.mouse.wheel(0, -400)
     until(shown, "mechanism.page.view.zoom > 1.5")
     page.wait_for_timeout(60)
-    # What is under the pointer stays there.
+    # The point under the pointer stays in place.
     assert math.dist(shown.center("[data-joint=joint3]"), before) < 1.5
     page.mouse.down()
     page.mouse.move(before[0] + 60, before[1] + 30)
@@ -302,10 +303,10 @@ def test_plots_over_a_variable_and_over_the_travel(make: Make, show: Show) -> No
     page.get_by_label("Plots over").select_option("travel:crank.angle")
     assert page.evaluate("mechanism.page.mode") == "travel"
     assert page.locator("b[data-value='actuator.holding_force']").inner_text() == shown.cell("actuator.holding_force")
-    # At its stop the gear has the holding force of `check`.
+    # At its stop the gear has the holding force that `check` prints.
     page.evaluate("mechanism.travelTo(mechanism.data.travel.start)")
     assert number(shown.cell("actuator.holding_force")) == pytest.approx(-2721.8, abs=0.1)
-    # By virtual work: torque on the crank for each unit of force is the length for each unit of angle.
+    # Virtual work: crank torque per unit of force equals length per unit of angle.
     ratio = number(shown.cell("actuator.advantage_on_crank"))
     page.evaluate("mechanism.travelTo(mechanism.data.travel.start - 1e-3)")
     change = [number(shown.cell(name)) for name in ("actuator.length", "crank.angle")]
@@ -314,7 +315,7 @@ def test_plots_over_a_variable_and_over_the_travel(make: Make, show: Show) -> No
     assert change[0] / change[1] == pytest.approx(ratio, rel=0.03)
 
 
-def test_key_results_lead_to_their_places(make: Make, show: Show) -> None:
+def test_key_results_lead_to_their_positions(make: Make, show: Show) -> None:
     shown = show(make(GEAR).path)
     rows = dict(row.split("\t")[:2] for row in shown.page.locator("#results table").inner_text().splitlines())
     assert rows["Stroke of actuator"].startswith("0.3182")
@@ -349,7 +350,7 @@ def test_two_runs_are_compared(make: Make, show: Show) -> None:
     page = shown.page
     assert page.locator("#compared").inner_text() == "solid: as defined · dashed: actuator.force 2e4"
     seek(shown, 200)
-    # Each ghost stands where the other run has the body.
+    # Each ghost is at the position of the body in the other run.
     angles = page.evaluate(
         """() => [mechanism.data, mechanism.data.compare].map(({ motion }) =>
           motion.variables.find((v) => v.name === "crank.angle").samples[200])"""
@@ -363,14 +364,14 @@ def test_two_runs_are_compared(make: Make, show: Show) -> None:
     assert [number(cell.rstrip("N")) for cell in row[1:3]] == [3e4, 2e4]
 
 
-def test_hostile_texts_are_shown_as_they_are(make: Make, show: Show) -> None:
+def test_markup_in_texts_is_shown_as_text(make: Make, show: Show) -> None:
     mechanism = deepcopy(GEAR)
-    hostile = "</script><img src=x onerror=alert(1)> \"quotes\" '&amp;' \u202ereversed\u202c {{ 7*7 }}"
-    mechanism["description"] = hostile
+    markup = "</script><img src=x onerror=alert(1)> \"quotes\" '&amp;' \u202ereversed\u202c {{ 7*7 }}"
+    mechanism["description"] = markup
     shown = show(make(mechanism).path)
-    assert shown.page.locator(".lead").text_content() == hostile
+    assert shown.page.locator(".lead").text_content() == markup
     assert shown.page.locator("img").count() == 0
-    assert shown.data()["description"] == hostile
+    assert shown.data()["description"] == markup
 
 
 def test_a_phone_shows_all_in_its_width(make: Make, show: Show) -> None:

@@ -1,4 +1,4 @@
-"""The report on the papers as a page: it loads nothing, figures have words, the gear moves."""
+"""The page of the report on the papers: it loads no other files, figures have texts, the gear moves."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import pytest
 from conftest import REPOSITORY, Show, Shown
 
 REPORT = REPOSITORY / "validation" / "report.html"
-#: Largest size at which the page with its 32 figures is committed [bytes].
+#: Largest allowed size of the committed page with its 32 figures [bytes].
 LARGEST = 1_100_000
 
 
@@ -33,7 +33,7 @@ def test_figures_have_words_and_pictures(report: Shown) -> None:
         words = figure.locator("p").all_inner_texts()
         assert words, name
         assert all(words), name
-        # Figures of the papers stand beside what the text says.
+        # Figures of the papers are next to the text that describes them.
         if (name or "").startswith(("hf08", "ck16")):
             assert figure.locator("h4").all_inner_texts() == ["PAPER", "OURS"], name
     for link in page.locator("nav a").all():
@@ -55,6 +55,6 @@ def test_the_gear_moves(report: Shown) -> None:
 
 @pytest.mark.parametrize("width", [390, 1400])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_nothing_sticks_out(width: int, scheme: str, show: Show) -> None:
+def test_no_element_exceeds_the_width(width: int, scheme: str, show: Show) -> None:
     page = show(REPORT, width=width, scheme=scheme).page
     assert page.evaluate("document.documentElement.scrollWidth") <= width

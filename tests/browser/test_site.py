@@ -1,4 +1,4 @@
-"""The documentation site, opened from disk: nothing from a network, readable on a phone, with a search that finds."""
+"""The documentation site, opened from disk: it needs no network, is readable on a phone, and its search works."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ def test_there_is_a_site() -> None:
 
 @pytest.fixture(scope="module", params=[PHONE, DESKTOP])
 def page(request: pytest.FixtureRequest, browser: Browser) -> Iterator[Page]:
-    """A page of the browser, as wide as a phone or a desktop."""
+    """A page of the browser with the width of a phone or of a desktop."""
     context = browser.new_context(viewport={"width": request.param, "height": 900})
     yield context.new_page()
     context.close()

@@ -1,4 +1,4 @@
-"""The page of `cargo fmu sweep --page` in a browser: every tab draws, nothing is loaded, nothing is complained of."""
+"""The page of `cargo fmu sweep --page` in a browser: every tab is drawn, nothing is loaded, and there are no errors."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import pytest
 from conftest import REPOSITORY, Show
 
 TABS = ["Main effects", "Scatter matrix", "Distributions", "Response surfaces", "Sobol's indices"]
-#: What Bokeh sets when the page is drawn.
+#: Elements that exist after Bokeh has drawn the page.
 READY = ".bk-Tabs canvas, .bk-Figure"
 
 
@@ -43,7 +43,7 @@ def test_every_tab_is_drawn(study_page: Path, show: Show) -> None:
         page.get_by_text(title, exact=True).first.click()
         figures = page.locator(".bk-Figure:visible")
         figures.first.wait_for()
-        # A figure that has drawn its data has pixels of more than its background and axes.
+        # A figure with drawn data has pixels in more colours than those of its background and axes.
         colours = figures.first.locator("canvas").first.evaluate(
             "(canvas) => {"
             " const pixels = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;"
@@ -58,7 +58,7 @@ def test_axes_have_units_and_what_does_not_change_has_no_plot(study_page: Path) 
     text = study_page.read_text(encoding="utf-8")
     assert '"actuator.force [kN]"' in text
     assert '"retraction [s]"' in text
-    # The gear ends at its stop in every run, so that its angle differs by rounding alone.
+    # In every run the gear ends at its stop, so its final angles differ only by rounding.
     assert '"angle [rad]"' not in text
 
 

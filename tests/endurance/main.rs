@@ -1,4 +1,4 @@
-//! Millions of random calls on one instance: every answer as the standard says, and memory that does not grow.
+//! Millions of random calls on one instance: every call is answered as in the standard, and the memory does not grow.
 //!
 //! LINKAGE_FMU_CALLS sets the number of calls: `LINKAGE_FMU_CALLS=10000000 cargo test --test endurance -- --nocapture`.
 #![allow(unsafe_code, clippy::unwrap_used)]
@@ -23,21 +23,21 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-/// Instances of one definition share memory, also those of two tests. So one test at a time has instances.
+/// Instances of one definition share memory, also across tests. Therefore only one test at a time has instances.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Calls if nothing else is asked for.
+/// Number of calls by default.
 const CALLS: u64 = 300_000;
-/// Calls between two looks at the memory.
+/// Number of calls between two measurements of the memory.
 const ROUND: u64 = 50_000;
-/// Growth of the resident memory that the system's allocator may make from the second round on [bytes].
+/// Growth of the resident memory that the system's allocator may cause from the second round on [bytes].
 const RESIDENT: usize = 2 << 20;
 
-/// Scratch that an instance keeps over a reset once it has needed it, such as that of reactions without a table: live
-/// memory may differ by it from round to round, and grows no further [bytes].
+/// Scratch memory that an instance keeps over a reset once it has needed it, such as that of reactions without a table.
+/// The live memory may differ by this amount between rounds, without growing further [bytes].
 const SCRATCH: isize = 8 << 10;
 
-/// Resident memory [bytes], where the system reports it.
+/// Resident memory [bytes], if the system reports it.
 fn resident() -> Option<usize> {
     let pages = std::fs::read_to_string("/proc/self/statm").ok()?.split(' ').nth(1)?.parse::<usize>().ok()?;
     Some(pages * 4096)
@@ -60,7 +60,7 @@ fn memory_is_constant_over_random_calls() {
             }
             accepted += u64::from(player.play(&ops.new_tree(&mut runner).unwrap().current()));
         }
-        // Every table that an instance can have is there from here on, and nothing else.
+        // After these calls the instance has every table that it can have, and no other memory.
         player.renew();
         player.play(&Op::Enter);
         player.gear.all_bits();
@@ -84,7 +84,7 @@ fn memory_is_constant_over_random_calls() {
     }
 }
 
-/// What an instance takes is given back.
+/// A freed instance returns all its memory.
 #[test]
 fn instances_give_back_their_memory() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -95,7 +95,7 @@ fn instances_give_back_their_memory() {
         }
         gear.get("joint2.force").unwrap();
     };
-    // The host's description is of the same definition, so the tables that the first life reads stay.
+    // The host's description has the same definition, so it keeps the tables of the first instance.
     life();
     let before = live();
     (0..20).for_each(|_| life());

@@ -1,4 +1,5 @@
-//! Bad input as a user sees it: each message names the key or variable, the value, what is allowed or what to do.
+//! Messages about bad input: each message is one line that names the key or variable, the value, and the limit or
+//! remedy.
 
 use crate::support::{self, GEAR, Run, TWO_DRIVES, assert_says};
 use linkage_fmu::component::Component;
@@ -6,7 +7,7 @@ use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// What reading and starting this text gives; one line.
+/// The message of the error that reading this text returns.
 fn refusal(text: &str) -> String {
     let line = Model::from_json(text).map_or_else(|error| error.to_string(), |_| panic!("accepted: {text}"));
     assert!(!line.contains('\n'), "more than one line: {line}");
@@ -17,7 +18,7 @@ fn check(text: &str, fragments: &[&str]) {
     assert_says(refusal(text), fragments);
 }
 
-/// The gear with one piece of its text replaced.
+/// The text of the gear with the first occurrence of `from` replaced by `to`.
 fn changed(from: &str, to: &str) -> String {
     assert!(GEAR.contains(from), "the gear has no {from}");
     GEAR.replacen(from, to, 1)
@@ -68,7 +69,7 @@ fn keys_and_types() {
     }
 }
 
-/// What a lenient reader would take too: arrays for objects, null for what may be left out, objects for words.
+/// Values that a lenient reader would accept: a list for an object, null for an optional key, an object for a word.
 #[test]
 fn other_kinds_of_values() {
     let sequence = &["must be an object { }", "not a list [ ]", "line"][..];
@@ -114,7 +115,7 @@ fn numbers_out_of_range() {
 }
 
 #[test]
-fn names_that_nothing_carries() {
+fn names_of_missing_elements() {
     for (from, to, fragments) in [
         ("crank.end", "crunk.end", &["joints.joint2.first", r#""crunk.end""#, "bodies are ground, crank"][..]),
         ("crank.end", "crank.tip", &["joints.joint2.first", r#""crank.tip""#, "origin, end, actuator"]),
@@ -138,7 +139,7 @@ fn names_that_nothing_carries() {
 
 #[test]
 fn linkages_that_cannot_move_as_one() {
-    // Two degrees of freedom, none, and a body that hangs on nothing.
+    // Wrong numbers of degrees of freedom, loops that cannot close, and a body without a joint.
     let without = ",\n    \"joint4\": { \"type\": \"revolute\", \"first\": \"ground.end\", \"second\": \
                    \"follower.origin\", \"pin_radius\": 0.015 }";
     check(&changed(without, ""), &["3 degrees of freedom", "must have 1"]);
@@ -160,7 +161,7 @@ fn linkages_that_cannot_move_as_one() {
         &changed(r#""length": 0.217"#, r#""length": 0.001"#),
         &["cannot close", "on ground are 0.5729 m apart", "reach over only 0.5165 m"],
     );
-    // As long as the others together: two motions at once everywhere near, and none in truth.
+    // The ground is exactly as long as both bars together: the loop equations are singular, but the bars cannot move.
     let triangle = r#"{ "name": "Straight", "bodies": { "ground": { "length": 0.2 }, "a": { "length": 0.1, "mass": 1 },
         "c": { "length": 0.1, "mass": 1 }, "wheel": { "mass": 1, "inertia": 0.1 } },
         "joints": { "p": { "type": "revolute", "first": "ground.origin", "second": "a.origin" },
@@ -169,7 +170,7 @@ fn linkages_that_cannot_move_as_one() {
         "w": { "type": "revolute", "first": "ground.origin", "second": "wheel.origin" } },
         "start": { "body": "wheel", "angle": 0 }, "guess": { "a": 0, "c": 3.141592653589793, "wheel": 0 } }"#;
     check(triangle, &["stretched flat", "on ground are 0.2 m apart", "reach over exactly 0.2 m (a 0.1 m, c 0.1 m)"]);
-    // Crank and rod just reach the axis of the slide, at whatever guess and however near: no branches cross there.
+    // Crank and rod just reach the axis of the slide, for several guesses and gaps: a rigid position, not a crossing.
     for (lack, guess) in
         [(0.0, [0.5, -0.2, 0.02]), (0.0, [0.0; 3]), (1e-9, [0.1, -0.1, 0.01]), (1e-7, [0.1, -0.1, 0.01])]
     {
@@ -223,16 +224,16 @@ fn rods(left: &str, mass: &str, start: &str, guess: &str) -> String {
 fn positions_without_an_answer() {
     // A point mass in the bearing of the left rod never moves.
     check(&rods("0.1", "1", "0.5", "0.5"), &["almost zero at left = 0.5", "add a mass or an inertia"]);
-    // Without any mass the motion alone is computed.
+    // Without any mass the program computes the motion alone.
     Model::from_json(&rods("0.1", "0", "0.5", "0.5")).unwrap();
-    // Flat: parallelogram and antiparallelogram meet.
+    // In the flat position the branches of the parallelogram and of the antiparallelogram cross.
     let massive = |text: String| text.replace(r#""mass": 1"#, r#""mass": 1, "shape": "uniform_rod""#);
     check(
         &massive(rods("0.1", "1", "0", "0")),
         &["two branches of motion cross at the guess", "from the crossing", "`start` contains"],
     );
     Model::from_json(&massive(rods("0.1", "1", "0", "0.5"))).unwrap();
-    // The longer rod only swings; where it turns back, nothing with mass moves.
+    // The longer rod oscillates. In its extreme position no body with mass moves.
     let swings = massive(rods("0.15", "1", "3.1", "0.9"));
     check(&swings, &["almost zero at left = 2.168", "add a mass or an inertia"]);
     check(
@@ -255,13 +256,13 @@ fn starts_that_contradict_themselves() {
     }
 }
 
-/// A byte order mark, which some editors write, is no fault.
+/// Some editors write a byte order mark. A byte order mark is accepted.
 #[test]
 fn a_byte_order_mark_is_read_over() {
     Model::from_json(&format!("\u{feff}{GEAR}")).unwrap();
 }
 
-/// The slider-crank with these keys and values set, `section.name` and so on.
+/// The slider-crank with changed values. Each path has the form `section.name`.
 fn slider_crank(changes: &[(&str, Value)]) -> String {
     support::changed(TWO_DRIVES, |mechanism| {
         for (path, value) in changes {
@@ -285,7 +286,7 @@ fn locks_that_cannot_act() {
         let lock = format!("\"uplock\": {{ \"stop\": \"upstop\", \"at\": \"{at}\" }}");
         check(&changed(r#""uplock": { "stop": "upstop", "at": "wheel.origin" }"#, &lock), fragments);
     }
-    // At its dead centre a slider cannot be held by a force on it; a degree away from there it can.
+    // At the dead centre no force on the slider holds the mechanism. One degree away from the dead centre a force does.
     let held = |angle: f64, at: &str| {
         slider_crank(&[
             ("stops", json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } })),
@@ -301,7 +302,7 @@ fn locks_that_cannot_act() {
     Model::from_json(&held(dead_centre - 0.017, "slider.origin")).unwrap();
 }
 
-/// The position in a message is that of the outputs, whole turns included.
+/// Positions in messages agree with the outputs, including whole turns.
 #[test]
 fn positions_in_messages_are_those_of_the_outputs() {
     let friction = json!({ "enabled": true, "static_coefficient": 0.1, "kinetic_coefficient": 0.1 });
@@ -320,22 +321,22 @@ fn positions_in_messages_are_those_of_the_outputs() {
 
 #[test]
 fn starts_out_of_reach() {
-    // With its stops the gear moves from one to the other; without the lower one as far as its toggle.
+    // With its stops the gear moves between the two stops. Without the lower stop it moves to its toggle.
     let start = |stated: &str| changed("\"angle\": 0.8, \"speed\"", &format!("\"angle\": {stated}, \"speed\""));
     let free = |text: &str| text.replace(r#""angle": -1.3, "#, r#""angle": -1.3, "enabled": false, "#);
     check(&start("0.9"), &["downstop.angle = 0.8", "the start, at 0.9 rad, is beyond this stop"]);
     check(&start("-1.4"), &["upstop.angle = -1.3", "the start, at -1.4 rad, is beyond this stop"]);
     check(&free(&start("-1.4")), &["crank.start_angle = -1.4 rad cannot", "moves from -1.325844931 rad to 0.8 rad"]);
-    // Stated by another body of the same group, in whose angle the range then is.
+    // The start is stated by another body of the same group: the message states the range in the angle of this body.
     let by_leg = start("-3.8").replace(r#""start": { "body": "crank""#, r#""start": { "body": "leg""#);
     check(&free(&by_leg), &["leg.start_angle = -3.8 rad cannot", "moves from -3.725844931 rad to -1.6 rad"]);
-    // The follower has no stop of its own, but cannot leave the crank's.
+    // The follower has no stop, but the stops of the crank also limit the follower.
     let by_follower = start("4.5").replace(r#""start": { "body": "crank""#, r#""start": { "body": "follower""#);
     check(
         &by_follower,
         &["follower.start_angle = 4.5 rad cannot be reached", "moves from 2.409512947 rad to 3.350866873 rad"],
     );
-    // Whole turns away is the same position, but another angle.
+    // An angle that differs by whole turns is the same position, but another value.
     let around = start("7.0");
     let text =
         around.replace(r#""limit": "upper", "angle": 0.8"#, r#""limit": "upper", "enabled": false, "angle": 0.8"#);
@@ -343,7 +344,7 @@ fn starts_out_of_reach() {
         &text,
         &["crank.start_angle = 7 rad cannot be reached", "0.7168146928 rad is the same position: write this value"],
     );
-    // A crank that turns fully round may start in any turn.
+    // A crank that rotates fully may start in any turn.
     Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
 }
 
@@ -386,9 +387,9 @@ fn huge_and_tiny_numbers_are_written_with_exponents() {
     }
 }
 
-/// Two bars and the ground are a triangle, which holds both; a third bar spins freely.
+/// Two bars and the ground are a rigid triangle. A third bar rotates freely.
 #[test]
-fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
+fn a_rigid_loop_is_reported_with_its_bodies_and_those_that_still_move() {
     let text = |start: &str| {
         json!({
             "name": "Triangle",
@@ -409,11 +410,11 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
         .to_string()
     };
     Model::from_json(&text("spinner")).unwrap();
-    // cos of the angle at the ground: 0.2 / 0.3.
+    // cos(angle of the left bar) = 0.2 / 0.3.
     let held = (2.0_f64 / 3.0).acos();
     let held = format!("hold left at {held:.10}");
     check(&text("left"), &["left.start_angle = 1.2", &held, "rigid", "spinner moves freely", "remove a joint"]);
-    // Wheels as large as the sun, of the sun and of the ground, hold the sun.
+    // Gears 24:24 from sun to planet and from ground to planet hold the sun in place.
     let wheels = |first: &str| {
         json!({ "type": "gears", "first": first, "second": "planet.origin", "carrier": "arm", "first_teeth": 24,
             "second_teeth": 24 })
@@ -431,7 +432,7 @@ fn a_rigid_loop_is_told_with_what_it_holds_and_what_spins() {
 }
 
 #[test]
-fn a_guess_of_what_gives_no_coordinate_says_why() {
+fn a_guess_of_an_element_without_a_coordinate_is_rejected_with_the_reason() {
     let text = |guess: Value| {
         json!({
             "name": "Carriage",
@@ -449,7 +450,7 @@ fn a_guess_of_what_gives_no_coordinate_says_why() {
         })
         .to_string()
     };
-    // Of two joints between the same bodies the first in the file has the position.
+    // If two joints connect the same bodies, the first joint of the file has the position.
     Model::from_json(&text(json!({ "guide": 0.3 }))).unwrap();
     check(&text(json!({ "rail": 0.3, "guide": 0.1 })), &["guess.rail", "follows from other prismatic joints"]);
     check(&text(json!({ "guide": 0.3, "carriage": 0.0 })), &["guess.carriage", "does not turn", "remove this key"]);
@@ -466,9 +467,9 @@ fn names_have_a_length_that_files_can_have() {
     );
 }
 
-/// A saved state of another mechanism, or of another kind of model, changes nothing.
+/// Restoring a state of another mechanism or another kind of model is an error and changes nothing.
 #[test]
-fn a_state_of_another_model_is_refused() {
+fn a_state_of_another_model_is_rejected() {
     const FOUR_BAR: &str = include_str!("../../modelDescription/FourBar/resources/mechanism.json");
     const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
     let model = |file: &str, text: &str| {

@@ -1,4 +1,4 @@
-//! The bound on the work of a communication step, and long motions that need next to none.
+//! The bound on the work of a communication step, and long motions that need almost no work.
 
 use crate::support::definition::{With, block, wheel};
 use crate::support::{
@@ -12,11 +12,11 @@ use serde_json::json;
 
 /// Default of `solver.max_steps`.
 const MAX_STEPS: u64 = 50_000;
-/// Most evaluations for each step that is tried: a step of DOP853 with its interpolant, and an event in it.
+/// Largest number of evaluations per attempted step: a step of DOP853 with its interpolant and one event.
 const EVALUATIONS: u64 = 40;
 
-/// A step of `h` that the bound ends: the time reached and the message. The work is within the bound, and the energy
-/// balance holds at the state reached.
+/// Make a step of `h` that `solver.max_steps` interrupts. Returns the time reached in the step, and the message. The
+/// work must be within the bound, and the energy balance must hold in the reached state.
 #[track_caller]
 fn interrupted(run: &mut Run, h: f64, max_steps: u64) -> (f64, String) {
     let (before, start) = (run.statistics(), run.0.time());
@@ -35,16 +35,16 @@ fn interrupted(run: &mut Run, h: f64, max_steps: u64) -> (f64, String) {
 }
 
 #[test]
-fn a_mechanism_that_spins_ever_faster_meets_the_bound() {
+fn a_mechanism_that_spins_ever_faster_reaches_the_bound_of_steps() {
     let mut crank = Run::new(SLIDER_CRANK).started();
     let (time, why) = interrupted(&mut crank, 1e4, MAX_STEPS);
     assert_says(why, &["turns at", "revolutions"]);
-    // The crank turns by the torque of the drive, less the work on the piston, which is none over a turn.
+    // Kinetic energy = work of the drive torque + work on the piston. The latter is 0 over a whole turn.
     let angle = crank.get("crank.angle");
     let energy = 3.0 * (angle + std::f64::consts::FRAC_PI_2);
     let kinetic = crank.get("energy.kinetic");
     assert!((kinetic - energy - 20.0).abs() < 0.01 * kinetic, "{kinetic} {energy}");
-    // It goes on from there.
+    // After the interruption the run continues.
     crank.step(1e-3);
     assert_eq!(crank.0.time(), time + 1e-3);
     assert!(crank.get("crank.angle") > angle);
@@ -71,17 +71,17 @@ fn a_step_in_part_is_the_same_as_a_shorter_one() {
             let [a, b] = [gear.get(name), whole.get(name)];
             assert!((a - b).abs() <= 1e-7 * (1.0 + b.abs()), "{name}: {a} {b}");
         }
-        // What the steps lose differs with their sizes; it is below the tolerance of 1e-9 of the energy.
+        // The drift depends on the sizes of the steps, but stays below the tolerance 1e-9 of the energy.
         let [a, b] = [gear.get("energy.drift"), whole.get("energy.drift")];
         assert!((a - b).abs() <= 1e-9 * whole.get("energy.kinetic"), "energy.drift: {a} {b}");
-        // Its state can be read again.
+        // The state after an interrupted step can be saved and restored.
         gear.read_snapshot(&gear.saved()).unwrap();
     }
 }
 
 #[test]
 fn chatter_on_a_stop_is_named() {
-    // A ball falls on a plate, and loses next to nothing.
+    // A ball bounces on a plate with a restitution of almost 1.
     let ball = block(1.0).with(json!({
         "gravity": { "acceleration": 9.81, "up_angle": 0 }, "start": { "position": 0.01 }, "guess": { "slide": 0.01 },
         "stops": { "plate": { "joint": "slide", "limit": "lower", "position": 0, "restitution": 0.999_999_9 } },
@@ -150,7 +150,7 @@ fn the_bound_is_a_whole_number() {
     assert!(steps > 2 && (a - b).abs() < 1e-9, "{steps}: {a} {b}");
 }
 
-/// The gear under its weight and its actuator, without losses and stops, swings.
+/// The gear swings under its weight and its actuator, without losses and stops.
 #[test]
 fn a_long_swing_costs_what_a_short_one_does() {
     let text = without_stops();
@@ -162,7 +162,7 @@ fn a_long_swing_costs_what_a_short_one_does() {
     assert!(work.evaluations < 20_000, "{work:?}");
     let drift = long.get("energy.drift");
     assert!(drift.abs() < 1e-6, "{drift:e} J");
-    // 1000 s in one step and in many.
+    // 1000 s in one step and in many steps.
     let (mut whole, mut parts) = (swing(), swing());
     whole.step(1000.0);
     parts.steps(2000, 1000.0);
@@ -180,18 +180,18 @@ fn a_long_swing_costs_what_a_short_one_does() {
     assert_eq!(ends[0], ends[1]);
 }
 
-/// A balanced crank turns evenly, for ever.
+/// A balanced crank rotates uniformly without end.
 #[test]
-fn an_even_rotation_is_told_to_the_last_turn() {
+fn a_uniform_rotation_is_exact_to_the_last_turn() {
     let turning = json!({ "start": { "angle": 0.25, "speed": 100 }, "guess": { "wheel": 0.25 } });
     let mut wheel = Run::new(wheel(0.5).with(turning)).started();
     wheel.step(1e6);
     let (work, angle) = (wheel.statistics(), wheel.get("wheel.angle"));
     println!("{work:?}: {:e}", angle - 0.25 - 1e8);
-    // A part in 1e12 of each of the turns.
+    // The error per turn is 1e-12 of a turn.
     assert!(work.evaluations < 30_000 && (angle - 0.25 - 1e8).abs() < 1e-4, "{angle}");
     assert!((wheel.get("wheel.speed") - 100.0).abs() < 1e-9 && wheel.get("energy.drift").abs() < 1e-6);
-    // An unbalanced one, in gravity, against its own many steps: 1e4 turns.
+    // An unbalanced crank under gravity: 1e4 turns in one step against many steps.
     let crank = |parts: u32| {
         let text = changed(SLIDER_CRANK, |m| {
             m["forces"] = json!({});
@@ -207,9 +207,9 @@ fn an_even_rotation_is_told_to_the_last_turn() {
     assert!((whole.0 - parts.0).abs() < 1e-5 && (whole.1 - parts.1).abs() < 1e-3, "{whole:?} {parts:?}");
 }
 
-/// Refused before the step begins: nothing has changed, to the bit.
+/// An input that overflows is rejected before the step and changes nothing: the motion afterwards is bit-identical.
 #[test]
-fn inputs_that_overflow_are_refused_before_the_step() {
+fn inputs_that_overflow_are_rejected_before_the_step() {
     for (name, order, value) in [
         ("load_factor", 0, 1e308),
         ("airspeed", 0, 1e200),
@@ -240,7 +240,7 @@ fn inputs_that_overflow_are_refused_before_the_step() {
     }
 }
 
-/// However short a step is, it is done, from the start and later: it changes nothing, or what its length tells.
+/// A step of any length is accepted, from the start and later, and changes nothing or what its length requires.
 #[test]
 fn a_step_of_any_length_is_done() {
     for definition in [GEAR, CURVES, BUCKET, ANDREWS, SMOOTH, HYDRAULIC_GEAR] {

@@ -1,5 +1,4 @@
-//! Profiles of cams and pitch curves of elliptic gears: their curvature by differences, what is drawn, what is warned
-//! of.
+//! Profiles of cams and pitch curves of elliptic gears: curvature against finite differences, drawn curves, warnings.
 
 use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
 use crate::support::{Run, assert_says, changed, refusal};
@@ -53,19 +52,19 @@ fn the_radius_of_curvature_is_that_of_the_profile() {
 }
 
 #[test]
-fn profiles_that_no_disc_has_are_warned_of() {
-    let told = |text: &str| {
+fn impossible_cam_profiles_give_a_warning() {
+    let warnings_of = |text: &str| {
         let all = Run::new(text).started().warnings();
         all.into_iter().filter(|line| line.contains("couplings")).collect::<Vec<_>>()
     };
     let with = |follower: serde_json::Value| translating("polynomial_345", follower);
-    assert!(told(&with(parsed(ROLLER))).is_empty());
-    assert!(told(&with(json!({ "follower": "flat" }))).is_empty());
-    let sharp = told(&with(json!({ "follower": "roller", "roller_radius": 0.018, "base_radius": 0.004 })));
+    assert!(warnings_of(&with(parsed(ROLLER))).is_empty());
+    assert!(warnings_of(&with(json!({ "follower": "flat" }))).is_empty());
+    let sharp = warnings_of(&with(json!({ "follower": "roller", "roller_radius": 0.018, "base_radius": 0.004 })));
     assert_eq!(sharp.len(), 2, "{sharp:?}");
     assert_says(&sharp[0], &["couplings.cam", "undercut", "0.018 m", "base_radius"]);
     assert_says(&sharp[1], &["couplings.cam", "pressure angle", "30 deg"]);
-    let hollow = told(&with(json!({ "follower": "flat", "base_radius": 0.02 })));
+    let hollow = warnings_of(&with(json!({ "follower": "flat", "base_radius": 0.02 })));
     assert_says(&hollow[0], &["undercut", "flat face"]);
 }
 
@@ -99,7 +98,7 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
 }
 
 #[test]
-fn losses_of_couplings_are_refused_by_name() {
+fn faulty_losses_of_couplings_are_rejected_with_their_key() {
     let text =
         changed(elliptic(json!({ "eccentricity": 0.3 })), |m| m["couplings"]["mesh"]["efficiency"] = json!(0.97));
     assert_says(refusal(text), &["couplings.mesh.efficiency", "drive", "friction"]);
@@ -113,7 +112,7 @@ fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
         Scene::new(&mechanism, &Linkage::new(&mechanism).unwrap()).unwrap().outlines
     };
     let named = |text: &str, name: &str| outlines(text).into_iter().filter(|o| o.name == name).collect::<Vec<_>>();
-    // The drum is at x = 0.12 with the radius 0.09, all bodies have the angle 0 but for a turned rail.
+    // The drum is at x = 0.12 and has the radius 0.09. All bodies have the angle 0, except a turned rail.
     for (x, side, at) in [(0.21, "right", 0.0), (0.25, "left", -0.22), (0.25, "right", -0.04)] {
         let text = changed(winch, |m| {
             m["bodies"]["ground"]["points"]["rail"][0] = json!(x);
@@ -137,7 +136,8 @@ fn racks_and_belts_are_drawn_where_they_touch_their_wheels() {
         assert_eq!(all.len(), 4);
         for span in &all[2..] {
             let [[ax, ay], [bx, by]] = span.points[..] else { panic!() };
-            // Tangent to both pulleys: the radii to its ends have their lengths and are across the span.
+            // The line is tangent to both pulleys: the radii at its ends have the right lengths and are normal to the
+            // line.
             for ([x, y], [cx, cy], radius) in [([ax, ay], [0.12, 0.0], 0.04), ([bx, by], [0.12, 0.18], 0.06)] {
                 assert!(((x - cx).hypot(y - cy) - radius).abs() < 1e-15);
                 assert!(((x - cx) * (bx - ax) + (y - cy) * (by - ay)).abs() < 1e-16);

@@ -1,7 +1,7 @@
-//! A chamber that is drawn to absolute zero.
+//! A chamber whose pressure falls to absolute zero.
 use crate::support::{HYDRAULIC_GEAR, Run};
 
-/// However a chamber is drawn to absolute zero, each step ends, with finite pressures above it.
+/// If the motion expands a chamber down to absolute zero, each step ends, with finite absolute pressures above 0.
 #[test]
 fn a_pressure_is_a_number_above_absolute_zero() {
     let mut lowest = 0.0_f64;

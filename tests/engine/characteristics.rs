@@ -1,4 +1,4 @@
-//! Springs whose force is a curve through points or that of a gas, against Runge-Kutta's method and the energy.
+//! Springs with a force curve through points or with a gas, against a Runge-Kutta integration and the energy balance.
 
 use crate::support::definition::{With, arm, block};
 use crate::support::numeric::runge_kutta;
@@ -23,12 +23,12 @@ pub fn gas() -> Value {
 }
 
 #[test]
-fn a_carriage_on_a_gas_moves_as_its_law_says() {
+fn a_carriage_on_a_gas_spring_follows_the_gas_law() {
     let law = |s: f64| {
         let volume = 9e-5 + 3e-4 * (s - 0.5);
         (1e5 - 8e5 * (9e-5_f64 / volume).powf(1.3)) * 3e-4
     };
-    // A second spring balances the gas, so that the motion goes to and fro.
+    // A second spring balances the gas, so that the carriage oscillates.
     let both = |s: f64| law(s) + 900.0 * (s - 0.35);
     let text = changed(carriage(gas(), 0.4), |m| {
         m["springs"]["coil"] = json!({ "joint": "slide", "stiffness": 900, "free_length": 0.35 });
@@ -67,7 +67,7 @@ fn a_gas_variable_changes_the_gas() {
     }
     run.set("slide.start_position", 0.4);
     run.initialize();
-    // Boyle: 90 cm3 become 80.
+    // Boyle's law: 90 cm3 are compressed to 80 cm3.
     assert!((run.get("strut.force") - (8e5 - 1e6 * 9.0 / 8.0) * 1e-4).abs() < 1e-9, "{}", run.get("strut.force"));
 }
 
@@ -84,7 +84,7 @@ fn points_on_a_line_are_a_stiffness() {
     }
 }
 
-/// A curve with a plateau, a step, and slopes that it goes on with beyond its ends.
+/// A curve with a plateau and a steep part. Beyond its ends it is extrapolated with its end slopes.
 pub const POINTS: [[f64; 2]; 6] = [[-0.3, -40.0], [-0.1, -3.0], [0.0, 0.0], [0.1, 2.0], [0.25, 2.0], [0.3, 30.0]];
 
 #[test]
@@ -94,7 +94,7 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
         let mut at = Run::new(carriage(json!({ "joint": "slide", "points": POINTS }), s)).started();
         assert!((at.get("strut.force") - force).abs() < 1e-11, "{s}: {} {force}", at.get("strut.force"));
     }
-    // One step finds the period: speed passes 0 at the other end and back.
+    // Turning points by linear interpolation of the speed over 1 ms.
     let mut turns = Vec::new();
     let (mut last, mut worst) = (0.0, 0.0_f64);
     for k in 1..=40_000 {
@@ -106,7 +106,7 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
         last = speed;
         worst = run.get("energy.drift").abs().max(worst);
     }
-    // 21 J, and some 600 passages of points, where the third derivative jumps.
+    // The energy is 21 J. The motion passes some 600 points of the curve, where the third derivative jumps.
     assert!(worst < 1e-7, "{worst:e} J");
     let periods: Vec<f64> = turns.windows(3).map(|t| t[2] - t[0]).collect();
     assert!(periods.len() > 10);
@@ -114,7 +114,7 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
 }
 
 #[test]
-fn what_is_no_curve_and_no_gas_is_refused() {
+fn wrong_curves_and_gases_are_rejected() {
     for (spring, pieces) in [
         (
             json!({ "joint": "slide", "points": [[0, 1]] }),
@@ -146,8 +146,8 @@ fn changed_gas(change: impl FnOnce(&mut Value)) -> Value {
 }
 
 #[test]
-fn a_gas_without_volume_is_refused() {
-    // Shorter than 0.2 m, the gas has no volume: between a stop at 0.25 m and one at 1 m it has some.
+fn a_gas_without_volume_is_rejected() {
+    // The gas has no volume if the strut is shorter than 0.2 m. A stop at 0.25 m prevents this.
     let stops = |least: f64| {
         changed(carriage(gas(), 0.4), |m| {
             m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": least },
@@ -158,11 +158,10 @@ fn a_gas_without_volume_is_refused() {
     assert!(Run::new(stops(0.25)).started().get("strut.force") < 0.0);
 }
 
-/// A detent that is narrow and weak beside the motion is not passed over within a step: the speed in the middle of it
-/// is that of the energy left.
+/// A narrow and weak detent is not skipped within a long step: energy is conserved in the detent.
 #[test]
 fn a_narrow_detent_is_seen_in_long_steps() {
-    // 2 kg at 1 m/s; the pull of up to 3 mN over 4 mm takes 6e-6 J and gives it back.
+    // 2 kg at 1 m/s. A force of up to 3 mN over 4 mm absorbs 6e-6 J and returns it.
     let points = json!([[0.1, 0], [0.102, 0.003], [0.104, 0], [0.106, -0.003], [0.108, 0]]);
     let text = block(2.0).with(json!({
         "springs": { "detent": { "joint": "slide", "points": points } }, "solver": { "tolerance": 1e-8 },
@@ -180,9 +179,9 @@ fn a_narrow_detent_is_seen_in_long_steps() {
 }
 
 #[test]
-fn the_position_is_told_where_a_gas_has_no_volume_left() {
-    // The strut from (0.5, 0) to the end of a rod of 0.3 m has 0.3 m where cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3),
-    // and shortens before the rod is back at x; there its gas, 0.2 m longer at its free length, has no volume left.
+fn the_error_names_the_position_where_a_gas_has_no_volume_left() {
+    // The rod angle at which the strut from (0.5, 0) is 0.3 m long: cos = (0.25 + 0.09 - 0.09) / (2 0.5 0.3). The strut
+    // shortens further beyond it. At 0.3 m, 0.2 m below its free length, its gas has no volume.
     let text = arm(0.3, 1.0, 1.0).with(json!({
         "bodies": { "ground": { "points": { "eye": [0.5, 0] } } },
         "springs": { "strut": { "first": "ground.eye", "second": "arm.end", "free_length": 0.5,
@@ -192,10 +191,10 @@ fn the_position_is_told_where_a_gas_has_no_volume_left() {
     assert_says(refusal(text), &["strut", &format!("at arm = {angle:.5}"), "the length is 0.3 m"]);
 }
 
-/// A barrier that lies between parts without force, which steps of any size could pass over: by a position on the
-/// curve, and by an angle that goes on over whole turns.
+/// A barrier between parts without force, which long steps could skip: as a function of a position, and of an angle
+/// over several turns.
 #[test]
-fn a_barrier_between_parts_without_force_is_met() {
+fn a_barrier_between_regions_without_force_reverses_the_motion() {
     let barrier = |joint: &str, points: Value| json!({ "barrier": { "joint": joint, "points": points } });
     let slide = block(1.0).with(json!({
         "springs": barrier("slide", json!([[0, 0], [1, 0], [1.1, 8], [1.2, 0], [6, 0]])), "start": { "speed": 1 },
@@ -203,7 +202,7 @@ fn a_barrier_between_parts_without_force_is_met() {
     let arm = arm(0.5, 2.0, 0.0).with(json!({
         "springs": barrier("pivot", json!([[0, 0], [2, 0], [2.1, 40], [2.2, 0], [6, 0]])), "start": { "speed": 5 },
     }));
-    // 0.5 J before a barrier of 0.8 J, and 2.1 J before one of 4 J: both come back as fast.
+    // A barrier of 0.8 J against 0.5 J, and one of 4 J against 2.1 J: both bodies return with their initial speed.
     for (definition, speed, expected) in [(slide, "slide.speed", -1.0), (arm, "arm.speed", -5.0)] {
         for h in [2.0, 0.5, 0.01, 0.001] {
             let mut run = Run::new(&definition).started();

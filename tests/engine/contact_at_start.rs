@@ -1,4 +1,4 @@
-//! What `check` tells of contacts at the start: slack spans of belts, pulleys that overlap, followers that lift off.
+//! Warnings of `check` about contacts at the start: slack belts, overlapping pulleys, followers that lose contact.
 
 use crate::cams::{ROLLER, parsed, translating};
 use crate::couplings::{BELT, shafts};
@@ -6,14 +6,14 @@ use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 
-/// What is told of a coupling.
-fn told(text: &str, coupling: &str) -> Vec<String> {
+/// The findings of a coupling.
+fn warnings_of(text: &str, coupling: &str) -> Vec<String> {
     let path = format!("couplings.{coupling}");
     let findings = inspect(text).findings.into_iter().filter(|finding| finding.path.starts_with(&path));
     findings.map(|finding| finding.to_string()).collect()
 }
 
-/// Two shafts 0.3 m apart in a belt; inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
+/// Two shafts 0.3 m apart with a belt: inertias 0.02 and 0.5 kg.m2, torques 3 and -1 N.m.
 fn belt(keys: Value) -> String {
     changed(shafts(BELT), |m| {
         let mut belt = m["couplings"]["mesh"].take();
@@ -25,27 +25,27 @@ fn belt(keys: Value) -> String {
 #[test]
 fn a_belt_whose_span_is_slack_at_the_start() {
     for crossed in [false, true] {
-        // The first shaft has J1 + i^2 J2 = 0.02 + 0.625^2 0.5, so that J2 alpha2 = 0.08 m x force - 1 N.m on the
-        // second.
+        // The inertia at the first shaft is J1 + i^2 J2 = 0.02 + 0.625^2 0.5. Second shaft: J2 alpha2 = 0.08 m x force
+        // - 1 N.m.
         let ratio = if crossed { -0.05 / 0.08 } else { 0.05 / 0.08 };
         let transmitted: f64 = (0.5 * ratio * (3.0 - ratio) / (0.02 + ratio * ratio * 0.5) + 1.0) / 0.08;
         let (half, number) = (0.5 * transmitted.abs(), |value: f64| value.to_string()[..6].to_owned());
         let with = |pretension: f64| belt(json!({ "crossed": crossed, "pretension": pretension }));
         assert!((Run::new(with(1.0)).started().get("loop.transmitted_force") - transmitted).abs() < 1e-12);
         for (pretension, shown) in [(0.0, "0 N".to_owned()), (0.999 * half, number(0.999 * half))] {
-            let [warning] = &told(&with(pretension), "loop")[..] else { panic!("{crossed} {pretension}") };
+            let [warning] = &warnings_of(&with(pretension), "loop")[..] else { panic!("{crossed} {pretension}") };
             let (force, shown) = (format!("transmits {}", number(transmitted)), format!("the pretension of {shown}"));
             assert_says(warning, &["couplings.loop.pretension: ", &force, &shown, "slack"]);
             assert_says(warning, &[&format!("use a pretension of more than {}", number(half))]);
         }
-        assert_eq!(told(&with(1.001 * half), "loop"), [""; 0]);
+        assert_eq!(warnings_of(&with(1.001 * half), "loop"), [""; 0]);
     }
-    // Without a pretension it is 0; without loads nothing is transmitted, and nothing is slack.
-    assert_says(told(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
+    // The default pretension is 0. Without loads the belt transmits no force and is not slack.
+    assert_says(warnings_of(&belt(json!({})), "loop").join(""), &["the pretension of 0 N"]);
     let idle = changed(belt(json!({})), |m| {
         m["torques"] = json!({});
     });
-    assert_eq!(told(&idle, "loop"), [""; 0]);
+    assert_eq!(warnings_of(&idle, "loop"), [""; 0]);
 }
 
 #[test]
@@ -53,26 +53,26 @@ fn pulleys_that_overlap() {
     let pulleys = |first: f64, crossed: bool| {
         belt(json!({ "first_radius": first, "second_radius": 0.1, "crossed": crossed, "pretension": 1e3 }))
     };
-    let [warning] = &told(&pulleys(0.21, false), "loop")[..] else { panic!() };
+    let [warning] = &warnings_of(&pulleys(0.21, false), "loop")[..] else { panic!() };
     assert_says(warning, &["0.21 and 0.1 m", "0.3 m apart", "overlap", "move a centre"]);
-    assert_eq!(told(&pulleys(0.19, false), "loop"), [""; 0]);
-    // A crossed belt cannot be drawn there.
-    assert_says(told(&pulleys(0.21, true), "loop").join("\n"), &["must be larger than the sum of the radii"]);
+    assert_eq!(warnings_of(&pulleys(0.19, false), "loop"), [""; 0]);
+    // A crossed belt with these radii cannot exist: an error.
+    assert_says(warnings_of(&pulleys(0.21, true), "loop").join("\n"), &["must be larger than the sum of the radii"]);
 }
 
 #[test]
 fn a_follower_that_lifts_off_at_the_start() {
     let cam = |change: &dyn Fn(&mut Value)| changed(translating("polynomial_345", parsed(ROLLER)), |m| change(m));
     let about_lift = |text: &str| -> Vec<String> {
-        told(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
+        warnings_of(text, "cam").into_iter().filter(|warning| warning.contains("contact_force")).collect()
     };
     assert_eq!(about_lift(&cam(&|_| {})), [""; 0]);
-    // A spring that is stretched, and pulls the follower away.
+    // A spring in tension lifts the follower off the cam.
     let pulled = |m: &mut Value| m["springs"]["spring"]["preload"] = json!(-900);
     let text = cam(&pulled);
     let force = Run::new(&text).started().get("cam.contact_force");
     assert!(force < -100.0, "{force}");
-    let [warning] = &about_lift(&text)[..] else { panic!("{:?}", told(&text, "cam")) };
+    let [warning] = &about_lift(&text)[..] else { panic!("{:?}", warnings_of(&text, "cam")) };
     let force = format!("{force:.2}");
     assert_says(warning, &["cam.contact_force is", &force[..5], "at the start, below 0", "would lift off", "grooved"]);
     let grooved = cam(&|m| {
@@ -83,20 +83,20 @@ fn a_follower_that_lifts_off_at_the_start() {
 }
 
 #[test]
-fn a_belt_that_goes_slack_in_a_run_is_told_once() {
+fn a_belt_that_goes_slack_in_a_run_gives_one_warning() {
     let mut run = Run::new(belt(json!({ "pretension": 80 }))).started();
-    let mut told = Vec::new();
+    let mut warnings = Vec::new();
     for (k, torque) in [3.0, 3.0, 60.0, 60.0].into_iter().enumerate() {
         run.set("motor.torque", torque);
         run.0.model_mut().step_from(Some(0.01 * k as f64), 0.01).unwrap();
-        told.push(run.0.model_mut().take_warning());
+        warnings.push(run.0.model_mut().take_warning());
     }
     let force = run.get("loop.transmitted_force");
     assert!(0.5 * force > 80.0, "{force}");
-    let [None, None, Some(warning), None] = &told[..] else { panic!("{told:?}") };
+    let [None, None, Some(warning), None] = &warnings[..] else { panic!("{warnings:?}") };
     let force = format!("transmits {force:.2}");
     assert_says(warning, &["loop ", &force[..13], "at t = 0.03 s", "the pretension of 80 N", "slack"]);
-    // After the next initialisation it is told again.
+    // After the next initialisation the warning is returned again.
     run.initialize();
     run.set("motor.torque", -60.0);
     run.step(0.01);

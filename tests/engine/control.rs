@@ -1,5 +1,5 @@
-//! Drives with a controller: closed forms of linear motions and of motions along a limit of the force, springs and
-//! dampers in the place of gains, breakaway by a rising command, linearisation, saved states, refusals.
+//! Drives with a controller: closed forms of linear motions and of motions at a limit of the force, equivalent springs
+//! and dampers, breakaway under a rising command, linearisation, saved states, rejected definitions.
 use crate::stiction;
 use crate::support::definition::{self, G, With, arm, block, rod, slider_crank, weight};
 use crate::support::{Run, assert_near, assert_says, refusal};
@@ -34,7 +34,7 @@ fn free([k, c, f]: [f64; 3], [x, v]: [f64; 2], t: f64) -> [f64; 2] {
 }
 
 #[test]
-fn a_position_drive_moves_as_its_second_order_response() {
+fn a_position_drive_follows_its_second_order_response() {
     let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN, "command": 0.4, "command_speed": 0.1 });
     for count in [1, 7, 40] {
         let mut run = Run::new(carriage(control.clone())).with(&[("motor.force", 6.0)]).started();
@@ -63,8 +63,8 @@ fn a_speed_drive_approaches_its_speed_exponentially() {
     }
 }
 
-/// Commands that are quadratic in time within a step: x follows the parabola with the lag m c'' / k where the speed is
-/// commanded too.
+/// The commands of position and speed are quadratic and linear in time within a step: x follows the parabola of the
+/// command with the offset -m c'' / k.
 #[test]
 fn derivatives_of_commands_are_exact_within_a_step() {
     let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN });
@@ -75,7 +75,7 @@ fn derivatives_of_commands_are_exact_within_a_step() {
     run.set("motor.command_speed", first);
     run.set_derivative("motor.command_speed", 1, second);
     run.step(1.5);
-    // The difference from c(t) - m c'' / k is a free motion.
+    // x - (c(t) - m c'' / k) is a free motion.
     let lag = MASS * second / GAIN;
     let [x, v] = free([GAIN, SPEED_GAIN, 0.0], [lag, -first], 1.5);
     run.near("slide.position", 1.5 * (first + 0.75 * second) - lag + x, 1e-11);
@@ -83,9 +83,9 @@ fn derivatives_of_commands_are_exact_within_a_step() {
     run.near("energy.drift", 0.0, 1e-10);
 }
 
-/// A controlled motion of the carriage from rest at 0 to the command 1, piece by piece: along a limit the force is
-/// constant, between the limits the motion is that of a spring and a damper. The times at which a limit is reached or
-/// left, the position and the speed at the end.
+/// A controlled motion of the carriage from rest at 0 to the command 1, in pieces: at a limit the force is constant,
+/// between the limits the motion is that of a spring and a damper. Returns the times at which the force reaches or
+/// leaves a limit, and position and speed at the end.
 fn limited([least, most]: [f64; 2], span: f64) -> (Vec<f64>, [f64; 2]) {
     let demanded = |[x, v]: [f64; 2]| GAIN * (1.0 - x) - SPEED_GAIN * v;
     let piece = |force: f64| if force > most { 1 } else { -i32::from(force < least) };
@@ -123,13 +123,13 @@ fn a_force_at_its_limit_is_constant_and_leaves_it_at_the_instant() {
         run.near("slide.speed", v, 2e-10);
         run.near("energy.drift", 0.0, 1e-9);
     }
-    // In mid-flight the speed is that of a constant force.
+    // While the force is at its limit, the speed is that of a constant force.
     let mut run = Run::new(carriage(control)).started();
     run.step(0.9 * times[0]);
     run.near("slide.speed", 40.0 / MASS * 0.9 * times[0], 1e-12);
 }
 
-/// The limits hold for the sum of feed-forward and feedback, and for one side alone.
+/// The limits apply to the sum of feed-forward and feedback. One limit alone may be given.
 #[test]
 fn the_limit_counts_the_force_of_the_input() {
     let control = json!({ "position_gain": GAIN, "command": 0.5, "max_force": 25 });
@@ -142,7 +142,7 @@ fn the_limit_counts_the_force_of_the_input() {
     assert_near(run.get("slide.speed"), 2.5 / MASS, 1e-12, "speed under the limit");
 }
 
-/// A crank that turns round and round, with gravity, a drive between points and one in a joint.
+/// A crank that rotates fully under gravity, with a drive between points and a drive in a joint.
 fn machine(elements: Value) -> Value {
     let bodies = [rod(0.1, 1.2), rod(0.3, 0.9), json!({ "mass": 0.5 })];
     slider_crank(bodies, 0.7).with(elements).with(json!({
@@ -151,7 +151,7 @@ fn machine(elements: Value) -> Value {
     }))
 }
 
-/// A gain is a spring or a damper: in a mechanism, over whole revolutions, and of a length.
+/// A controller gain acts like a spring or a damper: over whole revolutions, and for a length.
 #[test]
 fn gains_are_springs_and_dampers() {
     let control = |on: Value, gains: [f64; 2], command: f64| {
@@ -182,7 +182,7 @@ fn gains_are_springs_and_dampers() {
     assert!(controlled.get("crank.angle") > 7.0, "the crank turns round: {}", controlled.get("crank.angle"));
 }
 
-/// The own controller counts neither as a load of the drive nor as a stiffness of the others.
+/// A drive's own controller is neither part of its static load nor of the stiffness in its other one-element outputs.
 #[test]
 fn the_holding_force_and_its_derivative_are_without_the_controller() {
     let with = |control: Value| {
@@ -198,7 +198,7 @@ fn the_holding_force_and_its_derivative_are_without_the_controller() {
         assert!(expected != 0.0 || name == "servo.required_force", "{name}");
         own.near(&name, expected, 1e-11 * (1.0 + expected.abs()));
     }
-    // The controller of another drive counts as a spring: the derivative agrees with a difference.
+    // The controller of another drive acts like a spring: the derivative agrees with a finite difference.
     let both = json!({ "servo": { "joint": "bearing" }, "ram": { "joint": "guide", "control": {
         "position_gain": 300, "command": 0.3 } } });
     let at = |angle: f64| {
@@ -210,7 +210,8 @@ fn the_holding_force_and_its_derivative_are_without_the_controller() {
     at(0.7).near("servo.holding_torque_derivative", (high - low) / (2.0 * h), 1e-6);
 }
 
-/// Static friction holds the block exactly until the drive has its force, at an instant that follows from the command.
+/// The block stays exactly at rest until the drive force reaches static friction, at an instant that follows from the
+/// command.
 #[test]
 fn a_rising_command_breaks_static_friction_at_the_instant() {
     let text = stiction::block(0.0, 0.0).with(json!({ "actuators": { "motor": { "joint": "slide", "control": {
@@ -233,9 +234,9 @@ fn a_rising_command_breaks_static_friction_at_the_instant() {
     assert_eq!([held.get("slide.position"), held.get("slide.speed")], at_rest);
 }
 
-/// With an efficiency the mechanism gets a part of the force of the controller.
+/// With an efficiency eta the mechanism receives eta times the controller's force.
 #[test]
-fn an_efficiency_takes_its_part_of_the_controller() {
+fn an_efficiency_applies_to_the_controllers_force() {
     let text = carriage(json!({ "position_gain": GAIN, "command": 0.5 }))
         .with(json!({ "actuators": { "motor": { "efficiency": 0.8 } }, "start": { "speed": 0.1 } }));
     let mut run = Run::new(text).with(&[("motor.force", 20.0)]).started();
@@ -308,7 +309,7 @@ fn a_saved_state_continues_at_a_limit() {
     }
 }
 
-/// Gains and limits change between two steps; what the change does to the balance of energy is booked.
+/// Gains and limits may change between two steps. The energy balance includes the effect of the change.
 #[test]
 fn gains_and_limits_are_tunable() {
     let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN, "command": 3, "max_force": 4000 });
@@ -325,7 +326,7 @@ fn gains_and_limits_are_tunable() {
 }
 
 #[test]
-fn what_is_no_controller_is_refused() {
+fn wrong_controllers_are_rejected() {
     for (control, pieces) in [
         (json!({}), &["actuators.motor.control", "needs a gain"][..]),
         (json!({ "speed_gain": 1, "command": 2 }), &["control.command", "add position_gain"]),

@@ -1,16 +1,15 @@
-//! Creep under viscous friction: far slower than the loads could drive the mechanism, against the closed form.
+//! Creep under viscous friction, far slower than the speed that the loads could give without friction: closed form.
 
 use crate::support::Run;
 use crate::support::definition::{G, With, arm, block, friction, weight};
 use serde_json::json;
 
 const MASS: f64 = 2.0;
-/// mu_S; below V_S [m/s] friction is c v, c = mu_S m g / V_S.
+/// mu_S. Below V_S [m/s] the friction is c v, with c = mu_S m g / V_S.
 const COEFFICIENT: f64 = 0.3;
 const STATIC_SPEED: f64 = 1e-3;
 
-/// A block on a level slide, at rest, pushed by a force [N], with errors relative to this part of the speed that the
-/// force could give.
+/// A block on a horizontal slide, pushed from rest by a force [N]. `floor` is `solver.speed_floor`.
 fn pushed(force: f64, floor: Option<f64>) -> Run {
     let mut definition = block(MASS).with(json!({
         "gravity": weight(), "solver": { "tolerance": 1e-9 },
@@ -23,7 +22,7 @@ fn pushed(force: f64, floor: Option<f64>) -> Run {
     Run::new(definition).started()
 }
 
-/// Largest error of the speed, relative to the speed, from the tenth part of the time constant on.
+/// Largest relative error of the speed, from a tenth of the time constant on.
 fn error(force: f64, floor: Option<f64>) -> f64 {
     let (rate, last) = (COEFFICIENT * G / STATIC_SPEED, force * STATIC_SPEED / (COEFFICIENT * MASS * G));
     let mut run = pushed(force, floor);
@@ -37,8 +36,8 @@ fn error(force: f64, floor: Option<f64>) -> f64 {
     largest
 }
 
-/// The speed v = (F / c) (1 - exp(-c t / m)) of a block that creeps. By default errors are relative to the speed that
-/// the force would give over a metre without friction; with a floor they are relative to the present speed.
+/// Closed form of the speed: v = (F / c) (1 - exp(-c t / m)). By default the tolerance of the speed is relative to the
+/// speed that the force would give over 1 m without friction. With a floor it is relative to the present speed.
 #[test]
 fn a_floor_of_the_speed_makes_creep_exact() {
     for force in [1e-2, 1e-4] {
@@ -47,12 +46,12 @@ fn a_floor_of_the_speed_makes_creep_exact() {
         let (plain, floored) = (error(force, None), error(force, Some(1e-9)));
         println!("{force} N, {speed:.1e} m/s of {possible:.1e} m/s: {plain:.1e}, with the floor {floored:.1e}");
         assert!(plain > 100.0 * floored, "{plain:e} {floored:e}");
-        // 100 x tolerance of the present speed.
+        // 100 x tolerance, relative to the present speed.
         assert!(floored <= 1e-7, "{floored:e}");
     }
 }
 
-/// 1 is the default, to the bit; the floor is a parameter.
+/// The value 1 is the default and gives identical results. The floor is a parameter.
 #[test]
 fn a_floor_of_1_changes_nothing() {
     let mut runs = [pushed(1e-3, None), pushed(1e-3, Some(1.0)), pushed(1e-3, Some(0.5))];
@@ -69,8 +68,8 @@ fn a_floor_of_1_changes_nothing() {
     }
 }
 
-/// A pendulum with friction comes to rest through many turning points, where the speed passes through 0: no floor makes
-/// the integration stop or its energy balance worse.
+/// A pendulum with friction comes to rest after many turning points, where the speed is 0. With any floor the
+/// integration continues and the energy balance holds.
 #[test]
 fn turning_points_are_passed_with_any_floor() {
     let definition = arm(0.5, 1.0, 0.0).with(json!({
@@ -82,7 +81,7 @@ fn turning_points_are_passed_with_any_floor() {
         let mut run = Run::new(&definition).with(&[("solver.speed_floor", floor)]).started();
         run.steps(400, 20.0);
         let drift = run.get("energy.drift").abs();
-        // Of the 2.5 J at the start.
+        // The energy at the start is 2.5 J.
         assert!(drift < 1e-7, "{floor:e}: {drift:e}");
         ends.push((run.get("arm.angle"), run.statistics().evaluations));
     }

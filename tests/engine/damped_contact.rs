@@ -1,14 +1,14 @@
-//! Strong damping next to events: a block on a slide that leaves a stop, a lock, a bumper, stiction or a drive's
-//! losses, and one that is thrown towards a stop, in steps far longer than the decay, against closed forms.
+//! Strong damping near events: a block on a slide that leaves a stop, a lock, a bumper, static friction or a drive's
+//! losses, and a block thrown towards a stop. The steps are far longer than the decay. References are closed forms.
 use crate::support::{Run, TAILGATE, cases};
 use serde_json::{Value, json};
 
 const G: f64 = 9.81;
 const MU: f64 = 0.3;
 const ETA: f64 = 0.8;
-/// Error allowed, in tolerances of the distance that matters.
+/// Allowed error, as a multiple of the tolerance times the relevant distance.
 const ALLOWED: f64 = 10.0;
-/// Error allowed besides [m]: rounding at the size of a motion of 1 rad, to which positions are relative.
+/// Additional allowed error [m]: rounding of a motion of size 1, to which the tolerance of positions refers.
 const ROUNDING: f64 = 1e-16;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,8 @@ enum Kind {
 
 const KINDS: [Kind; 6] = [Kind::Stop, Kind::Lock, Kind::Bumper, Kind::Stick, Kind::Efficiency, Kind::Thrown];
 
-/// A block of 1 kg with damping c [N.s/m], under a force F [N], from rest at 0 or thrown at v [m/s] towards a stop at a
-/// distance of d [m].
+/// A block of 1 kg with damping c [N.s/m] under a force F [N]. It starts at rest at 0, or with the speed v [m/s]
+/// towards a stop at the distance d [m].
 #[derive(Clone, Copy, Debug)]
 struct Case {
     kind: Kind,
@@ -108,12 +108,12 @@ impl Case {
             let middle = 0.5 * (low + high);
             if self.free(middle) < self.distance { low = middle } else { high = middle }
         }
-        // The impact takes all speed; the force draws the block back.
+        // The impact takes all kinetic energy. Then the force moves the block back.
         let back = Self { speed: 0.0, ..*self };
         self.distance + back.free(self.span - high)
     }
 
-    /// Error over what is allowed.
+    /// Error divided by the allowed error.
     fn error(&self) -> Result<f64, String> {
         let mut run = Run::new(self.definition().to_string());
         if self.kind == Kind::Lock {
@@ -159,7 +159,7 @@ impl Numbers {
         if kind == Kind::Thrown {
             (case.force, case.speed) = (-force, self.between(0.1, 1e3));
             let most = case.free(case.turns());
-            // Not so near to the top of the path that the tolerance decides.
+            // The stop is not so near to the turning point that the tolerance decides whether there is an impact.
             let part = self.between(0.01, 100.0);
             case.distance = most * if (part - 1.0).abs() < 0.05 { 0.9 } else { part };
         }
@@ -167,9 +167,9 @@ impl Numbers {
     }
 }
 
-/// Steps far longer than the decay report no impact, no rest and no contact that does not happen, and overlook none.
+/// Steps far longer than the decay report every impact, rest and contact, and no other.
 #[test]
-fn damped_motions_leave_and_reach_what_holds_them() {
+fn damped_motions_leave_and_reach_stops_and_locks() {
     let count = cases().unwrap_or(4);
     let mut wrong = Vec::new();
     for kind in KINDS {
@@ -187,15 +187,15 @@ fn damped_motions_leave_and_reach_what_holds_them() {
             }
         }
     }
-    // The tolerance is relative to a motion of 1 m and to the speed that the force gives over it. Of travels of
-    // millimetres that shows in one run of ten thousand.
+    // The tolerance is relative to a motion of 1 m and to the speed that the force gives over 1 m. For motions of
+    // millimetres this matters in one run of ten thousand.
     let runs = KINDS.len() * 16 * count as usize;
     assert!(wrong.len() <= runs / 10_000, "{} runs: {}", wrong.len(), wrong.join("\n"));
 }
 
-/// A tailgate with a strong damper leaves its latch: one step at a loose tolerance against a tight one.
+/// A tailgate with a strong damper leaves its latch: one step at a loose tolerance against a tight tolerance.
 #[test]
-fn a_damped_tailgate_leaves_its_latch() {
+fn a_damped_tailgate_moves_away_from_its_latch() {
     let angle = |damping: f64, tolerance: f64| {
         let mut run = Run::replaced(TAILGATE, &[]);
         run.set("struts.damping", damping);

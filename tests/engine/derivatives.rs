@@ -19,7 +19,7 @@ fn directional(model: &mut Model, unknowns: &[Reference], knowns: &[Reference], 
     values
 }
 
-/// A slider-crank with a controlled servo with losses, a controlled ram, a rotor and constant friction.
+/// A slider-crank with a controlled drive with losses, a second controlled drive, a rotor and constant friction.
 fn controlled(speed: f64) -> String {
     changed(TWO_DRIVES, |m| {
         m["actuators"]["ram"]["control"] = json!({ "position_gain": 900, "speed_gain": 20, "command": 0.3 });
@@ -41,7 +41,7 @@ fn states() -> Vec<(String, Run)> {
     for (name, text) in "gear squeezer slider-crank crane four-bar jib SlCrank".split(' ').zip(texts) {
         let mut run = Run::new(text).started();
         all.push((format!("{name} at its start"), run.clone()));
-        // Well within its travel.
+        // A state well within the travel.
         run.step(0.013);
         all.push((format!("{name} in motion"), run));
     }
@@ -55,7 +55,7 @@ fn states() -> Vec<(String, Run)> {
             all.push((format!("gear, {name}, {what}"), run.clone()));
         }
     }
-    // Drives with an efficiency, in motion, driven back, and holding the gear at rest; a bumper in contact.
+    // Drives with an efficiency: driving, driven back, and holding the gear at rest. A bumper in contact.
     let gear = Run::new(GEAR.replace("\"force\": 30000", "\"force\": 30000, \"efficiency\": 0.6"));
     for (what, force, h) in [("driving", 30_000.0, 0.05), ("driven back", -500.0, 0.05), ("holding", -2_500.0, 0.01)] {
         let settings = [("crank.start_angle", 0.5), ("load_factor", 3.0), ("actuator.force", force)];
@@ -63,7 +63,7 @@ fn states() -> Vec<(String, Run)> {
         run.step(h);
         all.push((format!("gear with an efficiency, {what}"), run));
     }
-    // A drive with losses beside another: held by its losses, in motion, with friction.
+    // A drive with losses next to another drive: held by the losses, in motion, with friction.
     let two = Run::new(changed(TWO_DRIVES, |m| {
         m["actuators"]["ram"]["efficiency"] = json!(0.5);
         m["friction"] = json!({ "static_coefficient": 0.1, "kinetic_coefficient": 0.08 });
@@ -79,7 +79,7 @@ fn states() -> Vec<(String, Run)> {
         let run = two.clone().with(&start).with(&demands).with(&[("friction.enabled", friction)]).started();
         all.push((format!("two drives, {what}"), run));
     }
-    // Drives, dampers, a coil and a bumper with curves, without and with friction.
+    // Drives, dampers, a torsional spring and a bumper with curves, without and with friction.
     for (what, friction, speed, h) in [
         ("ahead", false, 14.0, 0.02),
         ("on the bumper", false, -14.0, 0.045),
@@ -96,7 +96,7 @@ fn states() -> Vec<(String, Run)> {
     run.step(0.005);
     assert!(run.get("downstop.torque") < -1.0);
     all.push(("gear on its bumper".into(), run));
-    // Cams, gears without and with losses, a gas, a curve, a hydraulic circuit with friction.
+    // Cams, gears without and with losses, a gas spring, a spring curve, a hydraulic circuit with friction.
     let gas = |spring: Value| {
         changed(carriage(spring, 0.28), |m| {
             m["start"]["speed"] = json!(0.7);
@@ -128,7 +128,7 @@ fn states() -> Vec<(String, Run)> {
             all.push((format!("{what} after {span} s"), run.clone()));
         }
     }
-    // Held by the down stop, by the lock there, and by up stop and lock.
+    // Held by the down stop, by the lock at the down stop, and by up stop and lock.
     for (lock, force, h) in [("uplock", -3_000.0, 0.01), ("downlock", 30_000.0, 0.01), ("uplock", 30_000.0, 0.3)] {
         let engage = format!("{lock}.engage");
         let mut run = Run::gear().with(&[("actuator.force", force)]).with(&[(engage.as_str(), true)]).started();
@@ -150,7 +150,7 @@ fn directional_derivatives_are_those_of_central_differences() {
             let slopes = directional(&mut model, &outputs, &[input], &[1.0]);
             // A width at which rounding and the third derivative are both small.
             let width = 1e-4 * value.abs().max(1.0);
-            // Drag goes by v |v|, whose second derivative jumps at 0.
+            // The drag is proportional to v |v|, whose second derivative jumps at 0.
             let still = model.variables().list()[input as usize].name == "airspeed" && value == 0.0;
             let width = if still { 1e-4 * width } else { width };
             for (&output, slope) in outputs.iter().zip(slopes) {
@@ -168,7 +168,7 @@ fn directional_derivatives_are_those_of_central_differences() {
                     continue;
                 }
                 let here = at(value);
-                // A size that is 0 but for rounding has the direction of the rounding.
+                // The direction of a force that is 0 except for rounding is meaningless.
                 if v.name.ends_with(".force") && here.abs() < 1e-12 {
                     continue;
                 }
@@ -240,7 +240,7 @@ fn rates_of_outputs_are_those_of_central_differences_in_time() {
                 let at = |point: usize| points[point][i];
                 let difference = (8.0 * (at(3) - at(1)) - (at(4) - at(0))) / (12.0 * h);
                 let scale = points.iter().fold(0.0, |m: f64, v| m.max(v[i].abs()));
-                // Rounding; kinks where a drive or a stop acts.
+                // Allowance for rounding. Kinks occur where a drive or a stop acts.
                 let tolerance = 1e-6 * difference.abs().max(slopes[i].abs()) + 2e-10 * (1.0 + scale) / h;
                 let kink = (at(3) - 2.0 * at(2) + at(1)).abs() > 0.5 * (at(3) - at(1)).abs();
                 assert!((slopes[i] - difference).abs() <= tolerance || kink, "{text}: {} {difference}", slopes[i]);
@@ -266,14 +266,14 @@ fn rates_of_positions_and_speeds_are_speeds_and_accelerations() {
         let (derivative, expected) = (gear.derivative(output), gear.get(rate));
         assert!((derivative - expected).abs() <= 1e-12 * expected.abs(), "{output}: {derivative} {expected}");
     }
-    // Power: the rate of the kinetic energy.
+    // The power of all forces is the rate of the kinetic energy.
     let of_actuator = gear.get("actuator.force") * gear.get("actuator.speed");
     let lost = gear.derivative("energy.kinetic") + gear.derivative("energy.potential") - of_actuator;
     assert!(lost.abs() < 1e-9 * of_actuator.abs(), "{lost}");
 }
 
 #[test]
-fn what_has_no_derivative_is_refused_by_name() {
+fn variables_without_a_derivative_are_rejected_with_their_name() {
     let mut model = Run::gear().started();
     let find = |name: &str| model.0.reference(name).unwrap();
     let (force, length, angle) = (find("actuator.force"), find("crank.length"), find("crank.angle"));

@@ -1,4 +1,4 @@
-//! Sets of parameters that a model has been given before: what is kept of them has the bits of a new model.
+//! Designs that a model keeps for parameter sets that it had before give results bit-identical to those of a new model.
 
 use crate::support::{GEAR, Run, reals, runner};
 use linkage_fmu::variables::Causality;
@@ -14,7 +14,7 @@ enum Setting {
 
 use Setting::{Flag, Real};
 
-/// Settings of the gear, of every role.
+/// Parameters and inputs of the gear, of every causality.
 const OF_GEAR: [Setting; 17] = [
     Real("crank.start_angle", 0.5),
     Real("crank.start_speed", -1.0),
@@ -35,8 +35,8 @@ const OF_GEAR: [Setting; 17] = [
     Flag("solver.tables", false),
 ];
 
-/// An arm with a cylinder whose ends coincide at 0 and one whose ends coincide at pi / 2: the start decides on which
-/// part of the circle it is.
+/// An arm with two cylinders. The ends of one coincide at the angle 0, the ends of the other at pi / 2. The start
+/// determines on which part of the circle the arm moves.
 const ARM: &str = r#"{ "name": "Arm",
   "bodies": { "ground": { "points": { "east": [1, 0], "north": [0, 1] } },
     "arm": { "length": 1, "mass": 3, "shape": "uniform_rod" } },
@@ -54,13 +54,14 @@ const OF_ARM: [Setting; 6] = [
     Real("solver.tolerance", 1e-7),
 ];
 
-/// What a host does before a run of a few steps.
+/// Actions of a host before a run of a few steps.
 #[derive(Clone, Debug)]
 struct Op {
     resets: bool,
-    /// Settings by their parts of all.
+    /// Settings, each by its fraction of the range of indices.
     settings: Vec<f64>,
-    /// Whether the run begins from a state that was saved in the run before, and is put back afterwards.
+    /// Whether the run starts from a state that was saved in the run before, and whether that state is restored
+    /// afterwards.
     rollback: bool,
     steps: u32,
 }
@@ -77,7 +78,7 @@ fn set(run: &mut Run, setting: Setting) {
     }
 }
 
-/// Bits of all outputs at the start and after each step, or why there is no start.
+/// Bits of all outputs at the start and after each step, or the error of the start.
 fn bits(run: &mut Run, steps: u32, h: f64) -> Result<Vec<u64>, String> {
     let all = reals(run, Causality::Output);
     let mut bits = Vec::new();
@@ -109,7 +110,7 @@ fn check(text: &str, settings: &[Setting], h: f64, ops: &[Op]) -> Result<(), Tes
         present.iter().for_each(|&setting| set(&mut new, setting));
         prop_assert_eq!(bits(&mut kept, op.steps, h), bits(&mut new, op.steps, h), "{:?}", present);
         if op.rollback {
-            // Back to the parameters of before, and on from there once more.
+            // Back to the previous parameters, and a second continuation from the saved state.
             let after = kept.snapshot();
             kept.restore(&before).unwrap();
             kept.restore(&after).unwrap();
@@ -120,14 +121,14 @@ fn check(text: &str, settings: &[Setting], h: f64, ops: &[Op]) -> Result<(), Tes
 }
 
 #[test]
-fn what_is_kept_has_the_bits_of_a_new_model() {
+fn a_cached_model_is_bit_identical_to_a_new_one() {
     for (text, settings, h) in [(GEAR, &OF_GEAR[..], 0.004), (ARM, &OF_ARM, 0.02)] {
         let result = runner(12).run(&prop::collection::vec(op(), 2..12), |ops| check(text, settings, h, &ops));
         result.unwrap_or_else(|error| panic!("{error}"));
     }
 }
 
-/// Sets of parameters that come again cost no set-up: as many as are kept.
+/// The reduced models of the last parameter sets are kept: setting these parameters again needs no new set-up.
 #[test]
 fn the_last_reduced_models_are_kept() {
     let mut run = Run::new(GEAR);
@@ -142,7 +143,7 @@ fn the_last_reduced_models_are_kept() {
         assert_ne!(reduced_at(&[mass]), first);
         assert_eq!(reduced_at(&[14.0]), first, "the last ones are kept");
     }
-    // Set on the way only: nothing is made for that.
+    // The value 20 is replaced before the initialisation: no reduced model is built for it.
     assert_eq!(reduced_at(&[20.0, 14.0]), first);
     let another: Vec<_> = [15.0, 16.0, 17.0, 18.0].map(|mass| reduced_at(&[mass])).to_vec();
     assert_eq!([15.0, 16.0, 17.0, 18.0].map(|mass| reduced_at(&[mass])).to_vec(), another);

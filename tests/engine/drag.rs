@@ -1,27 +1,27 @@
-//! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas written out here.
+//! Drag of the air on the gear: force and moment, acceleration, reactions and energy against formulas in this file.
 
 use crate::support::{Run, Vec2, changed, turned, without_stops};
 use proptest::prelude::*;
 use serde_json::json;
 
-/// Density [kg/m3], drag coefficient of both, length and width of the leg [m], area of the wheel [m2].
+/// Density [kg/m3], drag coefficient of leg and wheel, length and width of the leg [m], area of the wheel [m2].
 const DENSITY: f64 = 1.225;
 const COEFFICIENT: f64 = 0.5;
 const LEG: f64 = 0.759;
 const WIDTH: f64 = 0.10;
 const AREA: f64 = 0.09;
-/// The air flows along the aircraft's axis, normal to the upward direction 1.13 rad.
+/// Flow direction: along the axis of the aircraft, normal to the upward direction at 1.13 rad.
 const FLOW: f64 = 1.13 - std::f64::consts::FRAC_PI_2;
-/// Of the largest reaction or acceleration: tables agree with the exact evaluator to 1e-13 of their largest value, and
-/// the gear's reactions are sums of a few terms up to a hundred times larger than they are.
+/// Error relative to the largest reaction or acceleration. The tables have errors of 1e-13 of their largest value, and
+/// a reaction is a sum of a few terms that are up to a hundred times larger.
 const TABLES: f64 = 1e-10;
 
-/// The gear without its stops; the motion of leg and wheel counts or not.
+/// The gear without its stops. `relative`: whether the velocities of leg and wheel count in the wind.
 fn gear(relative: bool) -> Run {
     Run::shared(&changed(without_stops(), |m| m["air"]["relative_wind"] = json!(relative)))
 }
 
-/// The gear without its stops; a force at the leg's middle and a torque on the leg are further inputs.
+/// The gear without its stops, with a force at the middle of the leg and a torque on the leg as additional inputs.
 fn pushed() -> Run {
     Run::shared(&changed(without_stops(), |m| {
         m["bodies"]["leg"]["points"] = json!({ "middle": [0.5 * LEG, 0.0] });
@@ -41,9 +41,10 @@ fn at(mut gear: Run, (angle, speed): (f64, f64)) -> Run {
     gear
 }
 
-/// Force on the leg, its moment about the crank's pivot, and force on the wheel, at this angle and speed of the crank.
+/// Drag force on the leg, its moment about the crank's pivot, and drag force on the wheel, for this angle and speed of
+/// the crank.
 ///
-/// dF = 1/2 rho c w |n . u| u ds. Where n . u keeps its sign the moment's integrand is a cubic: two Gauss points are
+/// dF = 1/2 rho c w |n . u| u ds. Where n . u has one sign, the integrand of the moment is cubic: two Gauss points are
 /// exact.
 fn drag(angle: f64, speed: f64, airspeed: f64, relative: bool) -> (Vec2, f64, Vec2) {
     let (along, normal) = (unit(angle - 2.4), turned(Vec2::y(), angle - 2.4));
@@ -69,9 +70,9 @@ fn near(a: f64, b: f64, of: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// PHYSICS: 1/2 rho v2 S c with S = S0 |sin| at the start, gear down.
+/// PHYSICS: 1/2 rho v^2 S c with S = S0 |sin| at the start, gear down.
 #[test]
-fn drag_at_the_start_by_hand() {
+fn drag_at_the_start_has_its_closed_form() {
     let mut gear = at(gear(false), (0.8, 0.0));
     assert_eq!((gear.get("leg.drag"), gear.get("wheel.drag")), (0.0, 0.0));
     gear.set("airspeed", 70.0);
@@ -85,9 +86,9 @@ fn drag_at_the_start_by_hand() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 500, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Virtual work: with the crank's rate as the only one, the moment of all drag about its pivot is the generalised
-    /// force; divided by I = 2 T / omega2 it is the change of the acceleration. Reactions are those under the same
-    /// forces from outside.
+    /// Virtual work: the moment of all drag about the crank's pivot is the generalised force of the crank's angle. The
+    /// generalised force divided by I = 2 T / omega^2 is the change of the acceleration. The reactions equal those
+    /// under the same external forces.
     #[test]
     fn drag_acts_as_its_force_and_moment(
         angle in -1.3..1.3f64,
@@ -124,10 +125,10 @@ proptest! {
     }
 }
 
-/// Energy now less energy at the start is the actuator's work plus that of the drag: by Simpson's rule over the power
-/// of the forces above, and as in `energy.drift`.
+/// The energy gained since the start is the work of the actuator plus the work of the drag: by Simpson's rule over the
+/// power of the drag, and by `energy.drift`.
 #[test]
-fn drag_takes_its_power() {
+fn the_power_of_drag_is_lost() {
     const STEPS: usize = 2600;
     let (stop, airspeed, force) = (0.13, 70.0, 30_000.0);
     for relative in [false, true] {
@@ -149,18 +150,17 @@ fn drag_takes_its_power() {
         }
         work *= stop / STEPS as f64 / 3.0;
         let done = force * (gear.get("actuator.length") - length);
-        // Drag works against the retraction.
+        // The drag opposes the retraction.
         assert!(work < -100.0 && done > 8000.0, "{work} {done}");
         let (drift, change) = (gear.get("energy.drift"), energy(&mut gear) - before);
-        // The promise at tolerance 1e-12: 1e-9 of the work; Simpson's rule errs by far less.
+        // The stated accuracy at the tolerance 1e-12 is 1e-9 of the work. The error of Simpson's rule is far smaller.
         assert!(drift.abs() < 1e-9 * done, "drift {drift:e} of {done}");
         assert!((change - work).abs() < 1e-9 * done, "{change} {work}");
     }
 }
 
-/// A plate on a crank that the wind turns: I omega^2 / 2 + 1/2 rho c S v^2 r G(theta) is constant, where G is the
-/// integral of
-/// |sin| sin, so also where the plate is edge-on to the wind and its drag has a kink, twice in each revolution.
+/// A plate on a crank in the wind: I omega^2 / 2 + 1/2 rho c S v^2 r G(theta) is constant, where G is the integral of
+/// |sin| sin. The plate is edge-on to the wind twice per revolution. There its drag has a kink.
 #[test]
 fn a_plate_passes_edge_on_within_the_tolerance() {
     const INERTIA: f64 = 0.01;
@@ -185,7 +185,7 @@ fn a_plate_passes_edge_on_within_the_tolerance() {
                 let half = (theta / std::f64::consts::PI).floor();
                 let rest = theta - half * std::f64::consts::PI;
                 let part = 0.5 * rest - 0.25 * (2.0 * rest).sin();
-                // Over a half revolution G grows by pi / 2, over the next it falls by as much.
+                // Over one half revolution G grows by pi / 2, over the next it falls by pi / 2.
                 let g = if half.rem_euclid(2.0) == 0.0 { part } else { std::f64::consts::FRAC_PI_2 - part };
                 0.5 * INERTIA * omega * omega + 0.5 * DENSITY * 1.2 * PLATE * SPEED * SPEED * ARM * g
             };
@@ -198,7 +198,7 @@ fn a_plate_passes_edge_on_within_the_tolerance() {
     }
 }
 
-/// Wind that turns round in a step, where the drag of every surface passes 0 at once: energy and work agree.
+/// Wind that reverses within a step: the drag of all surfaces is 0 at one instant. Energy and work agree.
 #[test]
 fn the_wind_may_turn_round_in_a_step() {
     for (relative, tolerance) in [(false, 1e-9), (true, 1e-9), (false, 1e-4), (true, 1e-12)] {

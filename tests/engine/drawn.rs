@@ -1,5 +1,5 @@
-//! Geometry as drawn, and angles in degrees and lengths in millimetres: the same mechanisms as in lengths, local points
-//! and SI units.
+//! Drawn geometry, angles in degrees and lengths in millimetres give the same mechanisms as lengths, local points and
+//! SI units.
 
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
@@ -19,7 +19,7 @@ fn mechanism(text: &str) -> Mechanism {
     Mechanism::from_json(text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The definition with every body by the coordinates that its points have where the guess is assembled.
+/// The definition with every body given by the coordinates of its points in the assembled guess.
 fn drawn(text: &str) -> Value {
     let defined = mechanism(text);
     let curve = Reduced::trace(&defined).unwrap();
@@ -143,7 +143,7 @@ fn degrees_and_millimetres_are_the_same_mechanism() {
     }
 }
 
-/// A triangle 3-4-5 in millimetres: the crank leads from the origin to (30, 40), the slider stands at (110, 40).
+/// A triangle 3-4-5 in millimetres: the crank from the origin to (30, 40), the slider at (110, 40).
 fn triangle() -> Value {
     json!({
         "name": "Triangle",
@@ -187,7 +187,7 @@ fn lengths_points_and_guess_follow_from_the_drawing() {
 }
 
 #[test]
-fn what_the_drawing_contradicts_is_refused() {
+fn contradictions_to_the_drawing_are_rejected() {
     for (path, value, fragments) in [
         ("/bodies/crank/length", json!(50.1), vec!["bodies.crank.length = 0.0501", "drawn 0.05 m apart"]),
         ("/bodies/crank/drawn/angle", json!(1), vec!["bodies.crank.drawn.angle", "origin and end already define"]),
@@ -217,7 +217,7 @@ fn what_the_drawing_contradicts_is_refused() {
             assert!(message.contains(fragment), "{path}: `{message}` lacks `{fragment}`");
         }
     }
-    // A length stated beside coordinates that agrees to the rounding of the coordinates is the one that counts.
+    // If a length and coordinates agree up to the rounding of the coordinates, the length is used.
     let mut all = triangle();
     all["bodies"]["crank"]["length"] = json!(50.000_01);
     assert_eq!(mechanism(&all.to_string()).bodies.get("crank").unwrap().length, Some(50.000_01 / 1000.0));

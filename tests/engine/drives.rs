@@ -1,4 +1,4 @@
-//! Several drives, some with losses: the required force of each follows from the state and the other inputs alone, and
+//! Several drives, some with losses: the required force of each drive follows from the state and the other inputs, and
 //! gives the demanded acceleration.
 
 use crate::support::{Run, TWO_DRIVES, assert_says, reals, values};
@@ -6,13 +6,13 @@ use linkage_fmu::variables::Causality;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// Rounding of the tables (1e-13 of their largest values) and of sums in which the drives' forces cancel.
+/// Rounding of the tables (1e-13 of their largest values) and of sums in which drive forces cancel.
 const ACCURACY: f64 = 1e-10;
 /// Coefficient of friction in every joint, the same at rest and in motion.
 const MU: f64 = 0.05;
-/// V_S [m/s]: so small that pins beyond it need no speed to speak of.
+/// V_S [m/s]: so small that all pins slip faster at almost any speed.
 const STATIC_SPEED: f64 = 1e-15;
-/// Start speed at which every pin slips faster than V_S, while what grows with the square of the speed is rounding.
+/// Start speed at which every pin slips faster than V_S, but terms in the square of the speed are below rounding.
 const SLOW: f64 = 1e-6;
 
 /// A drive: its name, and whether it is rotary.
@@ -77,7 +77,7 @@ fn started(case: &Case) -> (Run, &'static [Drive]) {
     (run.started(), drives)
 }
 
-/// An output's value; the case is rejected where friction locks, near a dead centre.
+/// Value of an output. A case in which friction locks the mechanism, near a dead centre, is discarded.
 fn find(run: &mut Run, name: &str) -> Result<f64, TestCaseError> {
     let value = run.0.get(name).unwrap();
     if value.is_nan() {
@@ -87,7 +87,7 @@ fn find(run: &mut Run, name: &str) -> Result<f64, TestCaseError> {
     Ok(value)
 }
 
-/// A size of the forces at work as a drive sees them: all of them reduced to it, lossless.
+/// Size of all forces, converted to this drive without losses, for relative errors.
 fn size(run: &mut Run, drives: &[Drive], drive: Drive, case: &Case) -> f64 {
     let worst = case.efficiencies.iter().flatten().fold(1.0, |a: f64, b| a.min(*b));
     let scale = |run: &mut Run, drive: Drive| (worst * run.get(&of(drive, "reduced_mass"))).sqrt().recip();
@@ -97,17 +97,17 @@ fn size(run: &mut Run, drives: &[Drive], drive: Drive, case: &Case) -> f64 {
     10.0 * (forces / own + holding + (case.demand.abs() + 10.0 * case.speed.abs().powi(2)) / (own * own))
 }
 
-/// Name of a drive's quantity, which is written here as that of a linear drive.
+/// Name of a variable of a drive. `quantity` is its name for a linear drive.
 fn of((name, is_rotary): Drive, quantity: &str) -> String {
     let quantity =
         if is_rotary { quantity.replace("force", "torque").replace("mass", "inertia") } else { quantity.into() };
     format!("{name}.{quantity}")
 }
 
-/// The servo's terms beside a ram that loses half of its power, at rest at 0.9 rad; the ram's force is S, the angles
-/// are theta of the crank and phi of the rod.
+/// The one-element outputs of the servo, with a second drive (ram) of efficiency 0.5, at rest at 0.9 rad. S is the
+/// force of the ram, theta the angle of the crank and phi that of the rod.
 #[test]
-fn a_drive_with_losses_beside_another_has_its_closed_form() {
+fn two_drives_one_with_losses_follow_the_closed_form() {
     let (forces, efficiencies) = ([3.0, 50.0, 0.0], [None, Some(0.5), None]);
     let case = Case { mechanism: 0, friction: false, angle: 0.9, speed: 0.0, forces, efficiencies, demand: 0.0 };
     let (mut run, _) = started(&case);
@@ -115,10 +115,10 @@ fn a_drive_with_losses_beside_another_has_its_closed_form() {
     let phi = (-sin / 3.0).asin();
     let rod = -0.1 * cos / (0.3 * phi.cos());
     let slide = -0.1 * sin - 0.3 * phi.sin() * rod;
-    // Gravity's work for each rad, on the middles of crank and rod.
+    // Work of gravity per rad at the centres of mass of crank and rod.
     let weight = -9.81 * (1.2 * 0.05 * cos + 0.9 * (0.1 * cos + 0.15 * phi.cos() * rod));
     let holds = |part: f64| -(weight + 50.0 * part * slide);
-    // The ram pushes against a crank that turns forward: it is driven back then.
+    // The ram pushes against a crank that turns forward. The ram is then driven back.
     let (all, forward, backward) = (holds(1.0), holds(2.0), holds(0.5));
     for torque in [-5.0, 0.0, 1.5, 3.0, 4.0, 5.0, 6.0, 10.0, 20.0] {
         run.set("servo.torque", torque);
@@ -137,7 +137,8 @@ fn a_drive_with_losses_beside_another_has_its_closed_form() {
             assert!((run.get("servo.acceleration") - demand).abs() < 1e-10, "{demand} at {torque}");
             run.set("servo.torque", torque);
         }
-        // The drive's own torque shows in the present load: the ram gives way to it as long as it holds.
+        // The static load of the servo depends on its own torque: within the range in which it holds, the ram balances
+        // the torque.
         let load = run.get("servo.static_load");
         near(load, torque.clamp(backward, forward), "load");
     }
@@ -146,7 +147,7 @@ fn a_drive_with_losses_beside_another_has_its_closed_form() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Inverse, then forward dynamics, at rest and in motion.
+    /// Inverse dynamics, then forward dynamics, at rest and in motion.
     #[test]
     fn the_required_force_gives_the_demanded_acceleration(case in cases(), other in -20.0..20.0f64) {
         let (mut run, drives) = started(&case);
@@ -191,7 +192,8 @@ proptest! {
         }
     }
 
-    /// Once every pin slips, a little more than the breakaway force speeds the motion up, a little less slows it down.
+    /// When every pin slips, a force slightly above the breakaway force accelerates the motion, a smaller force
+    /// decelerates it.
     #[test]
     fn the_breakaway_force_overcomes_friction_and_losses(case in cases(), forward in any::<bool>()) {
         let case = Case { speed: 0.0, ..case };
@@ -220,8 +222,8 @@ proptest! {
     }
 }
 
-/// Just below the breakaway torque the mechanism creeps, some pin slower than V_S; just above it every pin slips
-/// faster.
+/// Just below the breakaway torque the mechanism creeps, with some pin slower than V_S. Just above it every pin slips
+/// faster than V_S.
 #[test]
 fn below_the_breakaway_torque_the_mechanism_creeps() {
     const STATIC: f64 = 1e-5;
@@ -245,8 +247,8 @@ fn below_the_breakaway_torque_the_mechanism_creeps() {
     }
 }
 
-/// The listed inputs of a drive's terms are those that change them, over states at rest and in motion, with drives that
-/// hold and drives that don't.
+/// The stated dependencies of a drive's outputs are those inputs that change the outputs, over states at rest and in
+/// motion, with drives that hold and drives that do not.
 #[test]
 fn dependencies_of_drives_are_true() {
     let efficiencies = [None, Some(0.5), Some(0.8)];
@@ -291,7 +293,7 @@ fn dependencies_of_drives_are_true() {
     }
 }
 
-/// The holding force, which is without losses, follows from no efficiency; the breakaway forces do.
+/// The holding force is without losses and depends on no efficiency. The breakaway forces depend on the efficiencies.
 #[test]
 fn the_holding_force_depends_on_no_efficiency() {
     let (forces, efficiencies) = ([3.0, 20.0, -5.0], [Some(0.9), Some(0.5), None]);

@@ -1,4 +1,5 @@
-//! Drives and springs whose two ends coincide somewhere on the curve: an error only for a motion that gets there.
+//! Drives and springs whose two ends coincide at a position of the curve: an error only for a motion that reaches this
+//! position.
 
 use crate::support::definition::{self, With, block, pin, rod};
 use crate::support::{Run, assert_says, read_all, refusal};
@@ -9,8 +10,8 @@ use std::f64::consts::{PI, TAU};
 /// Moment of inertia of the arm about its pivot [kg.m2]: a rod of 3 kg and 1 m.
 const INERTIA: f64 = 1.0;
 
-/// An arm of 1 m about the origin, which starts at 1 rad; a cylinder from its tip to the ground at (1, 0), where the
-/// tip is at the angle 0.
+/// An arm of 1 m about the origin, which starts at 1 rad. A cylinder connects its tip with the ground point (1, 0),
+/// where the tip is at the angle 0.
 fn arm(further: &Value) -> String {
     let mut definition = definition::arm(1.0, 3.0, 1.0).with(json!({
         "bodies": { "ground": { "points": { "east": [1, 0], "west": [-1, 0] } } },
@@ -28,7 +29,7 @@ fn length(angle: f64) -> f64 {
 
 #[test]
 fn a_motion_that_stays_away_is_exact() {
-    // Pushed from 1 rad over the dead point at pi to 2 pi - 1 and back.
+    // The arm moves from 1 rad over the dead centre at pi to 2 pi - 1 and back.
     let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 2.0)]).started();
     let (mut least, mut most) = (1.0_f64, 1.0_f64);
     for _ in 0..400 {
@@ -43,7 +44,7 @@ fn a_motion_that_stays_away_is_exact() {
     assert!(least < 1.01 && most > TAU - 1.01, "{least} {most}");
 }
 
-/// Ends that come near each other without coinciding: where the motion is, the drive has all its outputs.
+/// The ends come close elsewhere without coinciding. Within the motion all outputs of the drive have values.
 #[test]
 fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
     for k in 2..=80 {
@@ -69,8 +70,9 @@ fn ends_that_almost_coincide_elsewhere_leave_every_output_of_the_drive() {
 }
 
 #[test]
-fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
-    let told = [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
+fn a_motion_to_coinciding_ends_is_rejected_with_position_and_remedy() {
+    let fragments =
+        [": both ends are at the same place near arm = ", "move one of the attachment points", "add a stop"];
     let pulled = Run::new(arm(&json!({}))).with(&[("cylinder.force", -2.0)]).started();
     for h in [1e-3, 0.1, 10.0, 1000.0] {
         let mut run = pulled.clone();
@@ -86,10 +88,10 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
             }
             assert!(run.get("arm.angle") > 0.0, "it has passed");
         };
-        assert_says(&error, &told);
+        assert_says(&error, &fragments);
         assert_says(error, &["cylinder.force"]);
         if h == 1e-3 {
-            // It has come as near as it could: 1e-3 sizes of the mechanism and one step.
+            // The motion ends at most 1e-3 sizes of the mechanism and one step before the position.
             let (angle, speed) = (run.get("arm.angle"), run.get("arm.speed"));
             assert!(angle < 1e-3 + 1.1 * h * speed.abs(), "{angle}");
             assert!((0.5 * speed * speed - 2.0 * (length(1.0) - length(angle))).abs() < 1e-9);
@@ -97,11 +99,11 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
             assert_eq!(steps, 0);
         }
     }
-    // There and back again within one step: a drive that is pulled through and pushed back.
+    // There and back within one step: the drive is first pulled, then pushed.
     let mut run = Run::new(arm(&json!({}))).with(&[("cylinder.force", 1.0)]);
     run.place(("arm.start_angle", 0.3), ("arm.start_speed", -3.0));
-    assert_says(run.0.step(1.0).unwrap_err(), &told);
-    // From the other side too, and with losses, friction and a damper.
+    assert_says(run.0.step(1.0).unwrap_err(), &fragments);
+    // The same from the other side, and with losses, friction and a damper.
     for further in [
         json!({ "springs": { "damper": { "joint": "pivot", "damping": 0.01 } } }),
         json!({ "springs": { "coil": { "first": "ground.east", "second": "arm.end", "stiffness": 1,
@@ -110,7 +112,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
         for speed in [-9.0, 9.0] {
             let mut run = Run::new(arm(&further)).with(&[("arm.start_speed", speed)]).started();
             let error = (0..1000).find_map(|_| run.0.step(0.01).err()).unwrap();
-            assert_says(error, &told);
+            assert_says(error, &fragments);
             let angle = run.get("arm.angle");
             let left = if speed < 0.0 { angle } else { TAU - angle };
             assert!(left > 0.0 && left < 0.2, "{angle}");
@@ -119,7 +121,7 @@ fn a_motion_that_gets_there_is_refused_with_place_and_remedy() {
 }
 
 #[test]
-fn stops_keep_the_motion_away() {
+fn stops_prevent_the_motion_to_coinciding_ends() {
     for rigid in [true, false] {
         let mut stops = json!({
             "low": { "body": "arm", "angle": 0.5, "limit": "lower", "restitution": 1 },
@@ -142,7 +144,7 @@ fn stops_keep_the_motion_away() {
     }
 }
 
-/// Two cylinders whose ends coincide at 0 and at pi: the start decides on which of the arcs the arm moves.
+/// Two cylinders whose ends coincide at 0 and at pi: the start determines on which of the two arcs the arm moves.
 #[test]
 fn the_start_decides_between_which_meetings_the_motion_is() {
     let two = json!({ "actuators": {
@@ -161,14 +163,14 @@ fn the_start_decides_between_which_meetings_the_motion_is() {
             assert!(error.abs() < 1e-9, "{start} {angle}: {error:e} J");
         }
     }
-    // At the meeting itself the guess gives no direction.
+    // At the position where the ends coincide the guess gives no direction of the cylinder.
     run.set("arm.start_angle", 0.0);
     assert!(run.0.initialize().is_err());
 }
 
-/// A carriage on a rail with a spring to the rail's origin, beyond the first stretch of the curve.
+/// A carriage on a rail with a spring to the origin of the rail, beyond the first stretch of the curve.
 #[test]
-fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
+fn coinciding_ends_on_a_stretch_end_the_motion_there_and_not_before() {
     let carriage = block(2.0).with(json!({
         "bodies": { "ground": { "points": { "far": [60, 0] } }, "block": { "length": 0.02 } },
         "springs": { "spring": { "first": "ground.far", "second": "block.origin", "stiffness": 0, "preload": 4 } },
@@ -177,7 +179,7 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
     let mut run = Run::new(carriage).started();
     for k in 1..1000 {
         let error = run.0.step(0.05).err();
-        // The spring pulls with 4 N.
+        // The force of the spring is 4 N.
         let t = 0.05 * f64::from(k);
         let exact = t + t * t;
         let limit = 60.0 * (1.0 - 1e-3);
@@ -196,9 +198,9 @@ fn a_meeting_on_a_stretch_ends_the_motion_there_and_not_before() {
 }
 
 #[test]
-fn the_check_tells_where_the_motion_ends() {
+fn the_check_reports_the_position_where_the_motion_ends() {
     let inspection = inspect(&arm(&json!({})));
-    // A motion that gets there ends its run: one warning for each side.
+    // A motion that reaches the position ends its run: one warning for each side.
     assert_eq!(inspection.findings.len(), 2, "{:?}", inspection.findings);
     for finding in &inspection.findings {
         assert_says(
@@ -213,7 +215,8 @@ fn the_check_tells_where_the_motion_ends() {
         .for_each(|fact| assert_says(&fact.text, &["cylinder.force: both ends are at the same place near arm = "]));
 }
 
-/// A drive between ends that never move to or from one another: rejected on one pin, else without effect, and told.
+/// A drive between two points at constant distance has no effect: an error if both points are on one pin, else a
+/// warning.
 #[test]
 fn ends_that_keep_their_distance_have_no_effect() {
     let bars = json!({ "name": "Bars",
@@ -234,10 +237,10 @@ fn ends_that_keep_their_distance_have_no_effect() {
         text[group] = json!({ "idle": { "first": first, "second": second } });
         text.to_string()
     };
-    // Both ends on one pin, by way of the crank.
+    // Both ends are on one pin, through the crank.
     let error = refusal(between("actuators", "rod.origin", "twin.origin"));
     assert_says(error, &["actuators.idle", "both ends are the point b", "give two different points"]);
-    // The ends of a crank, and two points of bars that move as one.
+    // The ends of a crank, and points of two bars that move as one body.
     for (first, second) in [("ground.origin", "crank.end"), ("rod.origin", "twin.eye")] {
         let mut run = Run::new(between("actuators", first, second)).started();
         run.set("idle.force", 1e3);
@@ -246,17 +249,17 @@ fn ends_that_keep_their_distance_have_no_effect() {
         assert_eq!(run.get("idle.reduced_mass"), f64::MAX, "{first}");
         assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
-            let told = inspect(&between(group, first, second)).findings;
+            let findings = inspect(&between(group, first, second)).findings;
             let path = format!("{group}.idle");
-            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            let mut texts = findings.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
                 texts.any(|text| text.contains("apart in every position, so this element never moves")),
-                "{told:?}"
+                "{findings:?}"
             );
         }
     }
     assert!(inspect(&between("actuators", "ground.origin", "twin.eye")).findings.is_empty());
-    // In a joint of the two bars that move as one.
+    // A drive in a joint between two bars that move as one body.
     for (kind, unit) in [("revolute", "rad"), ("prismatic", "m")] {
         let within = |group: &str| {
             let mut text = bars.clone();
@@ -273,12 +276,12 @@ fn ends_that_keep_their_distance_have_no_effect() {
         assert_eq!(run.get("idle.speed"), 0.0, "{kind}");
         assert_says(run.undefined("idle.required_force"), &["in every position"]);
         for group in ["actuators", "springs"] {
-            let told = inspect(&within(group)).findings;
+            let findings = inspect(&within(group)).findings;
             let path = format!("{group}.idle");
-            let mut texts = told.iter().filter(|finding| finding.path == path).map(ToString::to_string);
+            let mut texts = findings.iter().filter(|finding| finding.path == path).map(ToString::to_string);
             assert!(
                 texts.any(|text| text.contains(&format!("0 {unit} in every position, so this element never moves"))),
-                "{told:?}"
+                "{findings:?}"
             );
         }
     }

@@ -1,4 +1,5 @@
-//! Many runs on several threads: each has the bits of a simulation of its own, and a run that fails harms no other.
+//! Many runs on several threads: each run is bit-identical to a separate simulation. A failed run does not affect
+//! others.
 
 use crate::support::{GEAR, HYDRAULIC_GEAR};
 use linkage_fmu::component::Component;
@@ -7,7 +8,7 @@ use linkage_fmu::simulation::{Ensemble, Simulation, SimulationError};
 const INPUTS: [&str; 2] = ["actuator.force", "load_factor"];
 const OUTPUTS: [&str; 3] = ["crank.angle", "retracted", "upstop.impact_time"];
 
-/// Forces [N] and load factors of 150 runs: more than two chunks for each of three threads.
+/// Forces [N] and load factors of 150 runs, which are more than two chunks for each of three threads.
 fn rows() -> Vec<f64> {
     (0..150).flat_map(|k| [1.5e4 + 200.0 * f64::from(k), 1.0 + 0.01 * f64::from(k % 7)]).collect()
 }
@@ -24,7 +25,7 @@ fn alone(row: &[f64], stop_time: f64) -> Vec<u64> {
 }
 
 #[test]
-fn each_run_has_the_bits_of_a_simulation_of_its_own() {
+fn each_run_is_bit_identical_to_a_separate_simulation() {
     let mut gear = Simulation::open(GEAR).unwrap();
     gear.set("friction.enabled", true).unwrap();
     let rows = rows();
@@ -68,13 +69,13 @@ fn outputs_at_the_start_need_no_step() {
     let outputs = ["actuator.holding_force", "crank.angle"];
     let runs = gear.run_many(&["load_factor"], &[1.0, 2.0, 3.0], 0.0, &outputs, 2).unwrap();
     let [one, _, two, _, three, _] = runs.values[..] else { panic!("{runs:?}") };
-    // Statics are linear in the weight.
+    // The holding force is linear in the load factor.
     assert!(one != two && ((three - two) / (two - one) - 1.0).abs() < 1e-9, "{runs:?}");
     assert!(runs.values[1] == runs.values[5] && runs.remarks.is_empty());
 }
 
 #[test]
-fn what_cannot_be_varied_is_refused_at_once() {
+fn impossible_variations_are_rejected_immediately() {
     let gear = Simulation::open(GEAR).unwrap();
     let run = |inputs: &[&str], rows: &[f64], stop| gear.run_many(inputs, rows, stop, &["crank.angle"], 1).unwrap_err();
     assert!(matches!(run(&["crank.angle"], &[1.0], 0.1), SimulationError::Refused(why) if why.contains("crank.angle")));

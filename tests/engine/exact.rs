@@ -1,4 +1,4 @@
-//! The motion without tables: each evaluation closes the loops and balances the forces anew.
+//! The motion without tables: each evaluation closes the loops and balances the forces again.
 
 use crate::support::{ANDREWS, CHAIN, CRANE, FOUR_BAR, GEAR, Run, SL_CRANK};
 
@@ -10,7 +10,7 @@ fn start(text: &str, tables: bool, flags: &[&str], values: &[(&str, f64)]) -> Ru
     run.with(values).started()
 }
 
-/// With and without tables, in ten steps over `span`: these outputs agree within `miss` of their size.
+/// Ten steps over `span` with and without tables: these outputs agree to `miss`, relative to their size.
 fn agree(text: &str, flags: &[&str], values: &[(&str, f64)], span: f64, outputs: &[&str], miss: f64) {
     let values = [values, &[("solver.tolerance", 1e-12)]].concat();
     let mut with = start(text, true, flags, &values);
@@ -26,9 +26,9 @@ fn agree(text: &str, flags: &[&str], values: &[(&str, f64)], span: f64, outputs:
 }
 
 #[test]
-fn the_gear_moves_alike() {
+fn the_gear_has_the_same_motion_with_and_without_tables() {
     agree(GEAR, &[], &[], 0.13, &["crank.angle", "crank.speed", "joint2.force"], 1e-11);
-    // It is another computation: the last digits differ.
+    // The results differ in the last digits, as the computation is another.
     let mut both = [true, false].map(|tables| start(GEAR, tables, &[], &[]));
     let differ = (0..10).any(|_| {
         both.iter_mut().for_each(|run| run.step(0.01));
@@ -39,27 +39,27 @@ fn the_gear_moves_alike() {
 }
 
 #[test]
-fn the_gear_moves_alike_with_friction_wind_and_stops() {
+fn the_gear_has_the_same_motion_with_friction_wind_and_stops() {
     let flags = ["friction.enabled", "air.relative_wind"];
     agree(GEAR, &flags, &[("airspeed", 70.0)], 0.13, &["crank.angle", "crank.speed", "joint2.force"], 1e-9);
-    // To the up stop and back from it; static friction is stiff at V_S = 1e-5 m/s.
+    // To the up stop and back. Static friction is stiff at V_S = 1e-5 m/s.
     let slow = [("friction.static_speed", 1e-5), ("upstop.restitution", 0.5)];
     agree(GEAR, &flags[..1], &slow, 0.3, &["crank.angle"], 1e-9);
 }
 
 #[test]
-fn other_mechanisms_move_alike() {
+fn other_mechanisms_have_equal_motions() {
     let outputs = ["energy.kinetic"];
     agree(ANDREWS, &[], &[], 0.03, &outputs, 1e-7);
     agree(SL_CRANK, &[], &[], 1.0, &outputs, 1e-9);
     agree(CHAIN, &[], &[], 1.0, &outputs, 1e-9);
     agree(CRANE, &[], &[], 0.1, &outputs, 1e-9);
-    // Full turns of a closed curve.
+    // Full turns on a closed curve.
     agree(FOUR_BAR, &[], &[], 2.0, &outputs, 1e-9);
 }
 
 #[test]
-fn changing_inputs_and_saved_states_act_alike() {
+fn changing_inputs_and_saved_states_have_equal_effects() {
     let run = |tables: bool| {
         let mut gear = start(GEAR, tables, &[], &[("solver.tolerance", 1e-12)]);
         gear.set_derivative("actuator.force", 1, -1e5);

@@ -1,4 +1,4 @@
-//! Numbers that are expressions of parameters: against the same definition with its numbers written out, to the bit.
+//! Numbers as expressions of parameters give results bit-identical to the definition with the numbers.
 
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::component::{Component, MECHANISM};
@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 const FILE: &str = "mechanism.json";
 const FAMILY: &str = include_str!("../../modelDescription/FourBarFamily/resources/mechanism.json");
 
-/// The family with its keys sorted, as those of every text that [`changed`] gives: the order decides the last digits.
+/// The scene `family` with sorted keys, as in all texts from [`changed`]: the order of keys affects the last digits.
 fn family() -> String {
     changed(FAMILY, |_| {})
 }
 
-/// The family with the numbers of these parameters written out.
+/// The scene `family` with the numbers for these parameters.
 fn written_out(size: f64, line_density: f64, load_ratio: f64, acceleration: f64) -> String {
     let (crank, coupler, rocker) = (size / 3.0, 7.0 / 6.0 * size, 5.0 / 6.0 * size);
     let load = load_ratio * (line_density * coupler);
@@ -39,7 +39,7 @@ fn written_out(size: f64, line_density: f64, load_ratio: f64, acceleration: f64)
     })
 }
 
-/// Bits of all Reals that the other simulation has too, by name, after the start and some steps.
+/// Bits of all Reals that both simulations have, by name, after the start and some steps.
 fn bits(run: &mut Simulation, names: &[String]) -> Vec<(String, u64)> {
     run.initialize().unwrap();
     let mut all = Vec::new();
@@ -81,14 +81,16 @@ fn numbers_are_those_written_out_after_any_sets() {
 
 #[test]
 fn the_period_grows_with_the_root_of_the_size() {
-    // Under weight alone, without the drive: similar motions in times that go as the root of the size.
+    // Under weight without the drive, motions of similar mechanisms are similar, and times grow with the root of the
+    // size.
     let after = |text: &str, density: f64, size: f64| {
         let values = [("size", size), ("drive.torque", 0.0), ("line_density", density)];
         let mut run = Run::new(text).with(&values).started();
         run.step(0.4 * (size / 0.3).sqrt());
         run.get("crank.angle")
     };
-    // The damping of the family goes with the mass and the square of the size, a time scale of its own: without it.
+    // Without the damping of the scene, which is proportional to the mass and the square of the size and would set
+    // another time scale.
     let text = changed(FAMILY, |m| drop(m.as_object_mut().unwrap().remove("springs")));
     let [small, large] = [0.3, 1.2].map(|size| after(&text, 2.5, size));
     assert!((small - large).abs() < 1e-7, "{small} {large}");
@@ -97,7 +99,7 @@ fn the_period_grows_with_the_root_of_the_size() {
 }
 
 #[test]
-fn what_follows_is_a_calculated_parameter() {
+fn numbers_by_expressions_are_calculated_parameters() {
     let model = Model::from_json(FAMILY).unwrap();
     let variables = model.variables();
     let named = |references: &[Reference]| -> Vec<&str> {
@@ -170,7 +172,7 @@ fn values_of_one_call_count_together() {
 }
 
 #[test]
-fn saved_states_and_tables_hold_what_follows() {
+fn saved_states_and_tables_contain_calculated_parameters() {
     let mut run = Run::new(FAMILY).with(&[("size", 0.55)]).started();
     run.step(0.1);
     let (mut bytes, mut other) = (run.saved(), Run::new(FAMILY));
@@ -184,18 +186,18 @@ fn saved_states_and_tables_hold_what_follows() {
         });
         assert_eq!(one, twin);
     }
-    // Damaged: another crank than that of the size.
+    // Damaged state: a crank length that differs from the value of the expression.
     let from = (0.55_f64 / 3.0).to_le_bytes();
     let at = bytes.windows(8).position(|eight| eight == from).unwrap();
     bytes[at..at + 8].copy_from_slice(&0.2_f64.to_le_bytes());
     assert_says(other.read_snapshot(&bytes).unwrap_err().to_string(), &["calculated parameter"]);
-    // Another expression is another mechanism, another description is not.
+    // Another expression makes another mechanism. Another description does not.
     let model = Model::from_json(&family()).unwrap();
     let other = changed(FAMILY, |m| m["bodies"]["crank"]["length"] = json!("size / 4"));
     assert_ne!(Model::from_json(&other).unwrap().identity(), model.identity());
     let same = changed(FAMILY, |m| m["parameters"]["size"]["description"] = json!("Size"));
     assert_eq!(Model::from_json(&same).unwrap().identity(), model.identity());
-    // Kept tables are of the numbers that the expressions give.
+    // Stored tables belong to the values of the expressions.
     let made = Component::from_definition(FILE, FAMILY).unwrap();
     let mut taken = Component::with_table_bytes(&MECHANISM, FAMILY, made.tables(FAMILY).unwrap()).unwrap();
     let [size, length] = ["size", "crank.length"].map(|name| taken.interface().find(name).unwrap());
@@ -205,7 +207,7 @@ fn saved_states_and_tables_hold_what_follows() {
 }
 
 #[test]
-fn what_is_wrong_is_named_with_its_key() {
+fn wrong_expressions_are_errors_with_their_key() {
     let with = |change: &dyn Fn(&mut Value)| changed(FAMILY, change);
     let length = |text: &str| with(&|m| m["bodies"]["crank"]["length"] = json!(text));
     let cases: [(String, &[&str]); 16] = [
@@ -254,7 +256,7 @@ fn what_is_wrong_is_named_with_its_key() {
     }
 }
 
-/// Numbers that are read once, of every kind, by an expression in SI units and by a number in the file's units.
+/// Numbers of every kind that are read once: an expression is in SI units, a number in the units of the file.
 #[test]
 fn an_expression_of_a_number_that_is_read_once_is_in_si_units_too() {
     let file = |number: &dyn Fn(f64, &str) -> Value| {
@@ -309,9 +311,9 @@ fn an_expression_of_a_number_that_is_read_once_is_in_si_units_too() {
     same("", &one, &other);
 }
 
-/// In a file in millimetres and degrees an expression is clear where its numbers have units.
+/// In a file in millimetres and degrees an expression gets a warning unless its terms have SI units.
 #[test]
-fn an_expression_whose_unit_is_unclear_is_warned_of() {
+fn an_expression_with_an_unclear_unit_gives_a_warning() {
     let warned = |key: &str, text: &str| {
         let mut file = json!({
             "name": "Arm", "units": { "length": "mm", "angle": "deg" },
@@ -363,7 +365,7 @@ fn an_expression_whose_unit_is_unclear_is_warned_of() {
 }
 
 #[test]
-fn a_drawing_beside_expressions_keeps_their_places() {
+fn a_drawing_does_not_shift_the_places_of_expressions() {
     let text = json!({
         "name": "Drawn",
         "units": { "length": "mm", "angle": "deg" },

@@ -1,4 +1,4 @@
-//! The frames of the bodies as local variables: origin, and the matrix of rotation by the angle.
+//! The frames of the bodies as local variables: origin, and rotation matrix of the angle.
 
 use crate::support::{ANDREWS, CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK, Vec2, assert_says, changed, reals};
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -7,15 +7,15 @@ use linkage_fmu::mechanism::loads::resolved::markers;
 use linkage_fmu::variables::{Causality, Variable};
 use serde_json::json;
 
-/// A slider on a turning rocker.
+/// A slider on a rotating rocker.
 const INVERTED: &str = include_str!("../fixtures/inverted_slider_crank.json");
-/// A body's point by its frame less that by the tables of markers, or of the other body of a joint, as a part of the
-/// mechanism's size: both have the accuracy of the tables.
+/// Difference between a body's point by its frame and the same point by the table of markers, or by the other body of a
+/// joint. The difference is relative to the size of the mechanism and has the accuracy of the tables.
 const TABLES: f64 = 1e-12;
 /// Rounding of a sum of two squares.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Position of a point of the linkage by the frame of its body.
+/// Position of a point of the linkage, computed from the frame of its body.
 fn position(run: &mut Run, point: Point) -> Vec2 {
     if point.body == 0 {
         return point.local;
@@ -32,8 +32,8 @@ fn position(run: &mut Run, point: Point) -> Vec2 {
     Vec2::new(x + cos * point.local.x + minus_sin * point.local.y, y + sin * point.local.x + cos * point.local.y)
 }
 
-/// The frames put the two points of each revolute joint at one place, those of a prismatic joint on its axis, and each
-/// marker where its own outputs have it.
+/// The two points of each revolute joint coincide, those of a prismatic joint are on its axis, and each marker is at
+/// the position of its outputs.
 fn check(run: &mut Run, (what, text): (&str, &str)) {
     let reduced = run.reduced().unwrap().clone();
     let linkage = reduced.linkage();
@@ -54,8 +54,8 @@ fn check(run: &mut Run, (what, text): (&str, &str)) {
     let names: Vec<String> =
         run.variables().list().iter().filter_map(|v| v.name.strip_suffix(".velocity_x")).map(str::to_owned).collect();
     for (name, marker) in names.iter().zip(markers(&Mechanism::from_json(text).unwrap(), linkage).unwrap()) {
-        let told = Vec2::new(run.get(&format!("{name}.x")), run.get(&format!("{name}.y")));
-        let gap = (position(run, marker) - told).norm();
+        let origin = Vec2::new(run.get(&format!("{name}.x")), run.get(&format!("{name}.y")));
+        let gap = (position(run, marker) - origin).norm();
         assert!(gap <= least, "{what}: marker {name} is {gap:e} off");
     }
 }
@@ -73,7 +73,7 @@ fn frames_close_the_joints_and_carry_the_markers() {
     }
 }
 
-/// A body that does not turn has the angle that its prismatic joint gives it.
+/// A body that does not rotate has the angle that its prismatic joint determines.
 #[test]
 fn a_body_that_does_not_turn_keeps_its_direction() {
     let tilted = changed(SLIDER_CRANK, |m| m["joints"]["cylinder"]["angle"] = json!(0.3));
@@ -83,7 +83,7 @@ fn a_body_that_does_not_turn_keeps_its_direction() {
     assert_eq!([run.get("piston.frame.cos"), run.get("piston.frame.sin")], [0.3f64.cos(), 0.3f64.sin()]);
 }
 
-/// Rods as stiff as those of the gear stretch by less than a tenth of a millimetre.
+/// Rods as stiff as those of the gear change their length by less than 0.1 mm.
 #[test]
 fn the_finite_elements_have_frames_too() {
     let [mut rigid, mut elastic] = [GEAR, GEAR].map(Run::new);
@@ -104,7 +104,7 @@ fn the_finite_elements_have_frames_too() {
     }
 }
 
-/// FMI 2.0.5, 2.1.9 and 4.2.1: derivatives are those of outputs.
+/// FMI 2.0.5, sections 2.1.9 and 4.2.1: directional derivatives exist only for outputs.
 #[test]
 fn a_local_variable_is_read_only_and_has_no_derivatives() {
     let mut run = Run::gear().started();

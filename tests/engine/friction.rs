@@ -1,4 +1,5 @@
-//! Joint friction: the paper's gear, its loop, its energy, its stiffness.
+//! Joint friction of the gear of [HF08]: slip speeds, time of retraction, errors at kinks, stiffness; a rod with
+//! friction.
 
 use crate::support::Run;
 use linkage_fmu::integrator::Method;
@@ -7,7 +8,7 @@ fn gear(values: &[(&str, f64)]) -> Run {
     Run::gear().with(&[("friction.enabled", true)]).with(values).started()
 }
 
-/// Time at which the crank reaches this angle, found by one step to it and Newton's method on fresh runs.
+/// Time at which the crank reaches this angle: one step to an estimate, then Newton's method on new runs.
 fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
     let mut t = first;
     for _ in 0..20 {
@@ -22,8 +23,8 @@ fn time_at(angle: f64, first: f64, values: &[(&str, f64)]) -> f64 {
     t
 }
 
-/// Pins of 35 mm in joint 1 and 30 mm in the others (PHYSICS) slip at their radius times the relative angular speed,
-/// with friction enabled or not.
+/// Slip speed = pin radius x relative angular speed, with friction enabled or not. The pin of joint 1 has 35 mm, the
+/// others 30 mm (PHYSICS).
 #[test]
 fn pins_slip_at_their_radius_times_the_relative_angular_speed() {
     for enabled in [false, true] {
@@ -47,7 +48,7 @@ fn the_gear_takes_as_long_as_the_reference() {
     assert!((t - 0.134488353).abs() < 1e-8, "{t}");
 }
 
-/// Kinks of the law are events, so the error follows the tolerance whatever the slip speed V_S.
+/// Kinks of the friction law are events. The error therefore follows the tolerance for every V_S.
 #[test]
 fn errors_stay_within_the_tolerance_at_every_static_speed() {
     for static_speed in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
@@ -68,8 +69,8 @@ fn errors_stay_within_the_tolerance_at_every_static_speed() {
     }
 }
 
-/// Creeping: the drive does not overcome static friction, so the gear creeps in the steep ramp of the law for a second.
-/// The rate is then that at which the ramp's friction balances the drive, and the implicit method is at work.
+/// The drive does not overcome static friction, so that the gear creeps on the steep ramp of the law for a second. The
+/// ramp's friction balances the drive, and the integration uses the implicit method.
 #[test]
 fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     let start = gear(&[("friction.static_speed", 1e-6), ("crank.start_angle", 0.3)]);
@@ -81,15 +82,15 @@ fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     gear.step(1.0);
     let statistics = gear.statistics();
     let moved = gear.get("crank.angle") - 0.3;
-    // A pin of 15 mm that slips at less than 1e-6 m/s turns by less than 1e-4 rad in a second.
+    // A pin of 15 mm that slips at less than 1e-6 m/s rotates by less than 1e-4 rad per second.
     assert!(moved < 0.0 && moved > -1e-4, "{moved}");
     assert!(statistics.accepted_by(Method::Radau) > 0, "{statistics:?}");
     assert!(statistics.evaluations < 20_000, "{statistics:?}");
 }
 
-/// A rod between a slider with friction and a heavy one that slides upright without: where the heavy one falls,
-/// friction can take most of the reaction away that causes it. With N = N_0 + k |N|, k < -1, the reaction is still N_0
-/// / (1 - k).
+/// A rod between a light slider with friction and a heavy slider on a vertical guide without friction. Where the heavy
+/// slider falls, friction can reduce most of the reaction that causes it. With N = N_0 + k |N|, k < -1, the reaction is
+/// still N_0 / (1 - k).
 #[test]
 fn friction_that_relieves_its_reaction_does_not_lock() {
     const TRAMMEL: &str = r#"{
@@ -124,7 +125,7 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
         assert!((acceleration - exact).abs() < 1e-10 * exact.abs(), "{theta}: {acceleration}, not {exact}; k {k}");
     }
     assert!(relieved > 20, "{relieved}");
-    // Through that region, until the rod creeps.
+    // Through this region, until the rod creeps.
     let mut run = trammel.with(&[("rod.start_angle", 1.95)]).started();
     (0..100).for_each(|_| run.step(1e-3));
     let (drift, speed) = (run.get("energy.drift"), run.get("rod.speed"));

@@ -1,4 +1,4 @@
-//! Friction against closed forms, against the model's own reactions, and in balance with other losses.
+//! Friction against closed forms, against the reactions of the model, and in balance with other losses.
 
 use crate::support::definition::{G, With, block, friction, weight};
 use crate::support::numeric::simpson;
@@ -6,10 +6,10 @@ use crate::support::{ANDREWS, GEAR, Run, TWO_DRIVES, assert_says, changed, witho
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// Standard tolerance of these runs.
+/// Tight tolerance of these runs.
 const TIGHT: f64 = 1e-12;
 
-/// mu(v) as [HF08] section 4 states it.
+/// mu(v) according to [HF08] section 4.
 fn coefficient([low, high]: [f64; 2], [first, last]: [f64; 2], v: f64) -> f64 {
     if v <= first {
         low * v / first
@@ -24,7 +24,7 @@ fn coefficient([low, high]: [f64; 2], [first, last]: [f64; 2], v: f64) -> f64 {
 const MU: [f64; 2] = [0.3, 0.2];
 const SPEEDS: [f64; 2] = [0.05, 0.5];
 
-/// A block on a slide of the ground that slopes upward at this angle.
+/// A block on a slide of the ground with this upward slope.
 fn on_slope(slope: f64) -> Run {
     Run::new(block(2.5).with(json!({
         "gravity": weight(), "joints": { "slide": { "axis_angle": slope } },
@@ -33,7 +33,8 @@ fn on_slope(slope: f64) -> Run {
     })))
 }
 
-/// Faster than V_d the deceleration is mu_d g cos, less what the slope gives; below V_S the speed decays exponentially.
+/// Above V_d the deceleration is mu_d g cos minus the part of gravity along the slope. Below V_S the speed decays
+/// exponentially.
 #[test]
 fn a_block_slides_as_the_closed_forms() {
     for (slope, speed) in [(0.0, 4.0), (0.0, -4.0), (0.15, 4.0), (0.15, -4.0), (-0.15, 4.0)] {
@@ -43,7 +44,7 @@ fn a_block_slides_as_the_closed_forms() {
         assert!((run.get("slide.acceleration") - a).abs() < 1e-12 * a.abs());
         let (normal, friction) = (2.5 * G * slope.cos(), run.get("slide.friction_force"));
         assert!((friction + sign * MU[1] * normal).abs() < 1e-12 * normal, "{friction}");
-        // The reaction is without the friction: normal to the slide.
+        // The reaction excludes the friction: it is normal to the slide.
         let along = run.get("slide.force_x") * slope.cos() + run.get("slide.force_y") * slope.sin();
         assert!(along.abs() < 1e-12 * normal && (run.get("slide.force") - normal).abs() < 1e-12 * normal);
         let t = 0.5;
@@ -62,8 +63,8 @@ fn a_block_slides_as_the_closed_forms() {
     }
 }
 
-/// From above V_d to V_S: the time is that of the integral of dv / (mu(v) g), by Simpson's rule; no step errs at the
-/// law's borders.
+/// Deceleration from above V_d to V_S: the time is the integral of dv / (mu(v) g), by Simpson's rule. Steps end at the
+/// borders of the law.
 #[test]
 fn a_block_passes_through_the_whole_law() {
     let from = 1.5;
@@ -73,12 +74,12 @@ fn a_block_passes_through_the_whole_law() {
         let mut run = on_slope(0.0).with(&[("slide.start_speed", from)]).started();
         run.steps(parts, t);
         let v = run.get("slide.speed");
-        // 100 x tolerance of the initial speed.
+        // 100 x tolerance, relative to the initial speed.
         assert!((v - SPEEDS[0]).abs() < 100.0 * TIGHT * from, "{v} {parts}");
     }
 }
 
-/// On a slope: m g sin holds, +- mu_S m g cos breaks away.
+/// On a slope: m g sin is the holding force, the breakaway forces differ from it by mu_S m g cos.
 #[test]
 fn a_block_breaks_away_as_the_closed_form() {
     for slope in [-0.4, 0.0, 0.2] {
@@ -99,7 +100,7 @@ fn set_coefficients(joint: &mut Value, [low, high]: [f64; 2]) {
     joint["kinetic_coefficient"] = json!(high);
 }
 
-/// A slider-crank with friction everywhere, each joint with coefficients of its own.
+/// A slider-crank with friction in all joints, each with different coefficients.
 fn slider_crank() -> Run {
     Run::shared(&changed(TWO_DRIVES, |m| {
         m["gravity"]["up_angle"] = json!(1.2);
@@ -119,16 +120,17 @@ fn slider_crank() -> Run {
 const BEARING: [f64; 2] = [0.3, 0.1];
 const PIN: [f64; 2] = [0.15, 0.2];
 const WRIST: [f64; 2] = [0.05, 0.01];
-/// Of `friction`, in the guide.
+/// Coefficients of the key `friction`, which apply to the guide.
 const COMMON: [f64; 2] = [0.19, 0.026];
 const SLOW_FAST: [f64; 2] = [0.01, 1.0];
 
-/// The gear without stops, its second joint with coefficients of its own; the motion of leg and wheel counts or not.
+/// The gear without stops. Its second joint has separate coefficients. `relative`: whether the velocities of leg and
+/// wheel count in the wind.
 fn gear(relative: bool) -> Run {
     gear_with(relative, |_| ())
 }
 
-/// The same with a change of its definition.
+/// The same gear with a change of its definition.
 fn gear_with(relative: bool, change: impl FnOnce(&mut Value)) -> Run {
     Run::shared(&changed(without_stops(), |m| {
         set_coefficients(&mut m["joints"]["joint2"], BEARING);
@@ -138,7 +140,7 @@ fn gear_with(relative: bool, change: impl FnOnce(&mut Value)) -> Run {
     }))
 }
 
-/// Joints of Andrews' squeezer between bodies K1 to K7, 0 the ground.
+/// Joints of Andrews' squeezer between the bodies K1 to K7; 0 is the ground.
 const SQUEEZER: [(&str, usize, usize); 10] = [
     ("O", 0, 1),
     ("P", 1, 2),
@@ -153,7 +155,7 @@ const SQUEEZER: [(&str, usize, usize); 10] = [
 ];
 const PIN_RADIUS: f64 = 1e-4;
 
-/// Andrews' squeezer with pins in the joints whose bits are set in `which`.
+/// Andrews' squeezer with pins in those joints whose bit is set in `which`.
 fn squeezer(which: u32) -> Run {
     Run::new(changed(ANDREWS, |m| {
         for (k, (joint, ..)) in SQUEEZER.iter().enumerate() {
@@ -165,9 +167,9 @@ fn squeezer(which: u32) -> Run {
     }))
 }
 
-/// The model's friction against friction recomputed: `slip` [m/s] with its rounding, `arm` [m, or 1], the reaction's
-/// size and the largest reaction of all joints [N]. Friction and reaction come from two tables, each with an error in
-/// proportion to its largest value.
+/// Compare the friction of the model with friction recomputed from `slip` [m/s] with its rounding, `arm` [m or 1], the
+/// size of the reaction and the largest reaction of all joints [N]. Friction and reaction come from two tables, each
+/// with an error in proportion to its largest value.
 fn same(
     reported: f64,
     mu: [f64; 2],
@@ -177,14 +179,14 @@ fn same(
     [size, largest]: [f64; 2],
 ) -> Result<(), TestCaseError> {
     let expected = -coefficient(mu, SLOW_FAST, slip.abs()) * slip.signum() * arm * size;
-    // 1e-12 of the largest friction of this reaction, and what the rounding of the slip changes at the steepest slope.
+    // 1e-12 of the largest friction of this reaction, and the effect of the rounding of the slip at the steepest slope.
     let allowed = mu[0].max(mu[1]) * arm * (size * (1e-12 + rounding / SLOW_FAST[0]) + 1e-13 * largest);
     let error = (reported - expected).abs();
     prop_assert!(error <= allowed, "{reported} {expected} {:e}", error / allowed);
     Ok(())
 }
 
-/// A speed table's error: 1e-13 of the largest rate.
+/// Error of a table of speeds: 1e-13 of the largest rate.
 const SPEED: f64 = 1e-13;
 
 fn speeds() -> impl Strategy<Value = f64> {
@@ -237,14 +239,14 @@ proptest! {
         }
         let (reported, normal) = (run.get("guide.friction_force"), run.get("guide.force_y").abs());
         same(reported, COMMON, v, SPEED * 0.1 * w1.abs(), 1.0, [normal, largest])?;
-        // Newton's law of the slider along the guide, the wrist's force from the rod and the friction from the guide.
+        // Newton's law of the slider along the guide, with the rod's force at the wrist and the friction in the guide.
         let needed = 0.5 * (run.get("guide.acceleration") + G * 1.2_f64.cos());
         let given = run.get("wrist.force_x") + load[0] + reported;
         let largest = run.get("wrist.force").max(normal) + load[0].abs();
         prop_assert!((needed - given).abs() < 1e-10 * largest, "{needed} {given}");
     }
 
-    /// Inverse, then forward dynamics: the force that a demanded acceleration takes gives that acceleration.
+    /// Inverse dynamics, then forward dynamics: the required force gives the demanded acceleration.
     #[test]
     fn the_required_force_gives_what_was_demanded(
         angle in -1.3..0.8f64, speed in speeds(), demand in -300.0..300.0f64, airspeed in -80.0..80.0f64,
@@ -290,7 +292,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 80, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Three loops with one to ten pins: pairs of them pass one force on, those of the middle stand alone.
+    /// Three loops with one to ten pins. Some pins form pairs that transmit one force.
     #[test]
     fn friction_of_andrews_squeezer_is_that_of_its_reactions(
         angle in -0.5..0.5f64, speed in speeds(), torque in -0.1..0.1f64, which in 1u32..1024,
@@ -314,8 +316,8 @@ proptest! {
     }
 }
 
-/// Friction, drag in relative wind, a bumper and dampers at once: `energy.drift` within the promise at tolerance 1e-12,
-/// 1e-9 of the work, in one step as in many, before and after the bumper is met.
+/// Friction, drag in relative wind, a bumper and dampers together: `energy.drift` stays below 1e-9 of the work at the
+/// tolerance 1e-12, in one step and in many, before and after contact with the bumper.
 #[test]
 fn all_losses_together_are_booked() {
     let text = changed(GEAR, |m| {
@@ -342,9 +344,9 @@ fn all_losses_together_are_booked() {
     }
 }
 
-/// Pins so large that friction holds more than its own reactions explain: refused, in words, and nothing has changed.
+/// Pins so large that friction locks the mechanism: an error with a message. The state stays unchanged.
 #[test]
-fn self_locking_is_refused() {
+fn self_locking_is_rejected() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|j| format!("{j}.pin_radius"));
     let radii: Vec<(&str, f64)> = radii.iter().map(|n| (n.as_str(), 1.5)).collect();
     let more = [("friction.kinetic_coefficient", 0.19), ("crank.start_speed", -10.0)];
@@ -356,7 +358,7 @@ fn self_locking_is_refused() {
     assert!(run.0.get("crank.acceleration").unwrap().is_nan());
     assert_says(run.0.undefined("crank.acceleration").unwrap().unwrap(), &says);
     assert_eq!((run.get("crank.angle"), run.get("crank.speed")), before);
-    // From rest there is a solution, below V_S at every pin: it creeps.
+    // From rest a solution exists, below V_S at every pin: the mechanism creeps.
     let mut run = run.with(&[("crank.start_speed", 0.0)]).started();
     run.step(0.1);
     assert!(1.5 * run.get("crank.speed").abs() < SLOW_FAST[0], "{}", run.get("crank.speed"));

@@ -1,4 +1,4 @@
-//! Friction in mechanisms whose branches cross: reactions may grow without bound there.
+//! Friction in mechanisms whose branches cross: at a crossing reactions may grow without bound.
 
 use crate::support::definition::{self, G, With, pin, rod, slide, slider_crank, weight};
 use crate::support::numeric::runge_kutta;
@@ -8,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// A definition under its weight, with friction in all its joints.
+/// A definition with gravity and with friction in all its joints.
 fn rubbing(definition: Value) -> String {
     let friction = json!({ "enabled": true, "static_coefficient": 0.15, "kinetic_coefficient": 0.1 });
     changed(definition, |m| {
@@ -31,9 +31,9 @@ fn angle(from: Vec2, to: Vec2) -> f64 {
     (to.y - from.y).atan2(to.x - from.x)
 }
 
-/// Meeting point of circles about two points, on the left of the way from the one to the other (1), or on its right
-/// (-1).
-fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
+/// Intersection of two circles about two points: left of the line from the first point to the second (1), or right of
+/// it (-1).
+fn intersection([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
     let (way, distance) = (b - a, (b - a).norm());
     let along = (distance * distance + ra * ra - rb * rb) / (2.0 * distance);
     let unit = way / distance;
@@ -44,7 +44,7 @@ fn meeting([a, b]: [Vec2; 2], [ra, rb]: [f64; 2], side: f64) -> Vec2 {
 fn four_bar(lengths: [f64; 4], start: f64, speed: f64, side: f64) -> String {
     let [ground, crank, coupler, rocker] = lengths;
     let (b, d) = (crank * Vec2::new(start.cos(), start.sin()), Vec2::new(ground, 0.0));
-    let c = meeting([b, d], [coupler, rocker], side);
+    let c = intersection([b, d], [coupler, rocker], side);
     let bars = definition::four_bar(lengths, [start, angle(b, c), angle(d, c)]);
     rubbing(bars.with(json!({ "start": { "speed": speed } })))
 }
@@ -67,7 +67,7 @@ fn double_parallelogram() -> String {
     )
 }
 
-/// A jaw on a parallelogram that a slider moves by a rod.
+/// A jaw on a parallelogram that a slider moves through a rod.
 fn gripper() -> String {
     let (crank, start, link) = (0.5, 1.2_f64, 0.9);
     let end = crank * Vec2::new(start.cos(), start.sin());
@@ -89,7 +89,7 @@ fn gripper() -> String {
     )
 }
 
-/// A slider-crank with a rod as long as its crank.
+/// A slider-crank whose rod is as long as its crank.
 fn isosceles() -> String {
     let bodies = [rod(0.5, 0.5), rod(0.5, 0.5), json!({ "mass": 1.0 })];
     rubbing(slider_crank(bodies, 0.7).with(json!({ "start": { "speed": 6.0 } })))
@@ -118,7 +118,7 @@ fn coupled_cranks(speed: f64) -> String {
     )
 }
 
-/// A chain with friction, at its own tolerance and gravity.
+/// A chain with friction, with its own tolerance and gravity.
 fn chain(text: &str) -> String {
     let own: Value = serde_json::from_str(text).unwrap();
     changed(rubbing(own.clone()), |m| ["gravity", "solver"].iter().for_each(|key| m[key] = own[key].clone()))
@@ -155,16 +155,16 @@ fn all() -> Vec<(&'static str, String)> {
     ]
 }
 
-/// Two cranks on axles in a line, coupled by rods on crank pins: in closed form. One rod makes a parallelogram.
+/// Two cranks with axles in a line, coupled by rods between crank pins: closed form. One rod makes a parallelogram.
 struct Cranks {
-    /// Radius of the crank pins, distance of the axles [m].
+    /// Radius of the crank pins, and distance of the axles [m].
     radius: f64,
     axles: f64,
-    /// Mass, distance of the centre of mass from the axle, moment of inertia about the axle of each crank.
+    /// Mass of each crank, distance of its centre of mass from the axle, and moment of inertia about the axle.
     mass: f64,
     center: f64,
     inertia: f64,
-    /// Mass of a rod, and angle of each rod's crank pins from the crank.
+    /// Mass of a rod, and the angle of each rod's crank pins relative to the crank.
     rod: f64,
     phases: Vec<f64>,
     /// Torques on both cranks.
@@ -184,7 +184,7 @@ impl Cranks {
         Self { radius: r, axles: 1.0, mass, center, inertia, rod: 1.0, phases: vec![0.0], torques: [0.0; 2] }
     }
 
-    /// Arm of the friction in every pin, with the sign of the motion: all slip at the speed of the cranks.
+    /// Friction arm of every pin, with the sign of the motion: all pins slip at the speed of the cranks.
     fn arm(omega: f64) -> f64 {
         let v = (RADIUS * omega).abs();
         let s = ((v - 0.01) / 0.99).clamp(0.0, 1.0);
@@ -192,8 +192,8 @@ impl Cranks {
         (RADIUS * mu).copysign(omega)
     }
 
-    /// Angular acceleration, and the reactions in the axles and in both pins of each rod, if friction is caused by
-    /// reactions of these sizes. Of the forces along two rods, of which one is redundant, those of least norm.
+    /// Angular acceleration, and the reactions in the axles and in both pins of each rod, for friction caused by
+    /// reactions of these sizes. With two rods one rod is redundant: the rod forces are those of least norm.
     fn balance(&self, [theta, omega]: [f64; 2], sizes: &[f64]) -> (f64, Vec<f64>) {
         let (r, n) = (self.radius, self.phases.len());
         let friction: Vec<f64> = sizes.iter().map(|size| Self::arm(omega) * size).collect();
@@ -203,7 +203,7 @@ impl Cranks {
         let lost: f64 = friction.iter().sum();
         let inertia = 2.0 * self.inertia + n as f64 * self.rod * r * r;
         let alpha = (self.torques[0] + self.torques[1] - weight - lost) / inertia;
-        // The rods carry the difference of both cranks.
+        // The rods carry the difference of the torques of both cranks.
         let mut difference = friction[0] - friction[1] - (self.torques[0] - self.torques[1]);
         for k in 0..n {
             difference += friction[2 + 2 * k] - friction[3 + 2 * k];
@@ -212,7 +212,7 @@ impl Cranks {
         for (k, (_, cos)) in psi.iter().enumerate() {
             carried += cos * (friction[2 + 2 * k] + friction[3 + 2 * k]) / self.axles;
         }
-        // Least sum of squares over both rods and both axles.
+        // Least sum of squares of the forces of both rods and both axles.
         let sum: f64 = psi.iter().map(|(sin, _)| sin).sum();
         let along: Vec<f64> = match n {
             1 => vec![carried / psi[0].0],
@@ -241,8 +241,8 @@ impl Cranks {
         (alpha, all)
     }
 
-    /// Sizes of the reactions with friction: the solution without friction, followed by Newton's method with
-    /// differences while friction grows to its full size; None if it ends before, where the determinant of the
+    /// Sizes of the reactions with friction. Newton's method with finite differences follows the solution while
+    /// friction grows from zero to its full size. None if the solution ends before, where the determinant of the
     /// equations vanishes.
     fn solve(&self, state: [f64; 2]) -> Option<Vec<f64>> {
         const PARTS: u32 = 200;
@@ -253,7 +253,7 @@ impl Cranks {
         Some(sizes)
     }
 
-    /// The sizes with a part of friction, from those with a little less of it.
+    /// The sizes for this part of friction, from the sizes for a slightly smaller part.
     fn newton(&self, state: [f64; 2], part: f64, mut sizes: Vec<f64>) -> Option<Vec<f64>> {
         let n = sizes.len();
         let next = |sizes: &[f64]| self.balance(state, &sizes.iter().map(|size| part * size).collect::<Vec<_>>()).1;
@@ -297,8 +297,7 @@ impl Cranks {
     }
 }
 
-/// Steps of 1 ms up to where the motion locks or `span` is over, then shorter ones; the message of the end, if it
-/// locks.
+/// Steps of 1 ms until the motion locks or `span` ends, then shorter steps. Returns the message if friction locks.
 fn run_to_the_lock(run: &mut Run, span: f64) -> Option<String> {
     let mut said = None;
     let mut h = 1e-3;
@@ -339,7 +338,7 @@ fn a_parallelogram_moves_as_in_closed_form_and_locks_where_the_law_ends() {
     assert!(miss < 1e-7, "{miss:e}: {theta} {omega}");
     let said = run_to_the_lock(&mut run, 2.0).unwrap();
     let state = [run.get("crank.angle"), run.get("crank.speed")];
-    // There the solution ends in closed form too: nothing is refused that the law allows.
+    // The closed-form solution ends there too: the model stops only where the friction law has no solution.
     println!("{said}: {state:?}");
     assert!((state[0] - PI).abs() < 0.01 && state[0] < PI);
     assert!([1e-6, 1e-5, 1e-3].iter().all(|before| cranks.solve([state[0] - before, state[1]]).is_some()));
@@ -364,7 +363,7 @@ fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
         run.set("solver.tolerance", tolerance);
         run.initialize();
         run.steps(3200, span);
-        // For each radian of the way at most 100 times the tolerance, and what sums of rounding leave.
+        // Allowed error: 100 times the tolerance per radian of travel, and accumulated rounding.
         let (theta, omega) = (run.get("one.angle") - fine, run.get("one.speed") - rate);
         println!("{} turns at {tolerance:e}: angle off by {theta:e} rad, speed by {omega:e} rad/s", fine / TAU);
         let allowed = 100.0 * tolerance * fine;
@@ -378,17 +377,17 @@ fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
     }
 }
 
-/// Where friction locks is told before the first step.
+/// Arcs of the travel in which friction locks are reported before the first step.
 #[test]
-fn arcs_in_which_friction_locks_are_told_beforehand() {
+fn arcs_with_locking_friction_are_reported_at_the_start() {
     let inspect = |text: &str| Component::inspect("mechanism.json", text).unwrap();
     let text = four_bar([1.0, 0.4, 1.0, 0.4], 1.0, 8.0, 1.0);
     let mut run = Run::new(&text).started();
     run_to_the_lock(&mut run, 2.0).unwrap();
     let place = run.get("crank.angle");
-    let told = inspect(&text);
+    let inspection = inspect(&text);
     let arcs: Vec<&str> =
-        told.facts.iter().filter(|fact| fact.topic == "Friction").map(|fact| fact.text.as_str()).collect();
+        inspection.facts.iter().filter(|fact| fact.topic == "Friction").map(|fact| fact.text.as_str()).collect();
     println!("{arcs:?}, {place}");
     let angle = |text: &str| text.split("crank = ").nth(1).unwrap().split(' ').next().unwrap().parse::<f64>().unwrap();
     let holds = |arc: &&str| {
@@ -397,13 +396,13 @@ fn arcs_in_which_friction_locks_are_told_beforehand() {
         [-TAU, 0.0, TAU].iter().any(|turn| (from - 0.01..=to + 0.01).contains(&(place + turn)))
     };
     assert!(arcs.iter().any(|arc| arc.contains("forward") && holds(arc)), "{arcs:?} {place}");
-    let warned = told.findings.iter().find(|finding| finding.path == "friction").unwrap();
+    let warned = inspection.findings.iter().find(|finding| finding.path == "friction").unwrap();
     assert!(warned.message.contains("locks slow motion in"), "{warned}");
     let free = inspect(&coupled_cranks(20.0));
     assert!(free.facts.iter().all(|fact| fact.topic != "Friction"));
 }
 
-/// A start where branches cross to the last digit: reactions are the limit from both sides, where they have one.
+/// At an exact crossing the reactions are the common limit from both sides, if it exists.
 #[test]
 fn a_start_at_a_crossing_has_the_limit_of_its_reactions() {
     let at = |angle: f64| {

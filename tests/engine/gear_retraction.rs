@@ -1,4 +1,4 @@
-//! Scene S1 of the landing gear against reference values from a 34-digit energy quadrature.
+//! Scene S1 of the landing gear against reference values of a 34-digit energy quadrature.
 
 use crate::support::{Run, assert_says};
 
@@ -12,7 +12,7 @@ const REFERENCE: [(f64, f64); 4] = [
 /// theta2 at 0.13 s [rad].
 pub const THETA_013: f64 = -1.237_711_726_689_136_7;
 const SPEED_AT_013: f64 = -30.118_354_649_349_844;
-/// theta2 = -1.3 rad is reached at this time [s], with this speed [rad/s].
+/// Time [s] at which theta2 = -1.3 rad is reached, and the speed then [rad/s].
 const RETRACTED: (f64, f64) = (0.132_059_852_744_259_7, -30.257_773_253_560_312);
 
 fn gear(tolerance: f64) -> Run {
@@ -58,7 +58,7 @@ fn splitting_the_span_changes_less_than_the_tolerance() {
 #[test]
 fn the_gear_is_up_at_the_reference_time() {
     let mut gear = gear(1e-13);
-    // It is at the stop just then: whether it has been hit is a matter of rounding.
+    // At this time the gear is exactly at the stop. Rounding would decide whether the impact has occurred.
     gear.set("upstop.enabled", false);
     gear.initialize();
     gear.step(RETRACTED.0);
@@ -96,7 +96,7 @@ fn changing_inputs_leaves_the_energy_balance_closed() {
 #[test]
 fn sizes_beyond_reason_give_reasons_not_numbers() {
     let mut gear = gear(1e-9);
-    // Off the stop, which would hold against anything.
+    // Away from the stop, which would balance any force.
     gear.step(1e-3);
     let start = (gear.get("crank.angle"), gear.get("crank.speed"));
     gear.set_all(&[("actuator.force", 1e308), ("load_factor", -1e308)]);
@@ -110,7 +110,7 @@ fn sizes_beyond_reason_give_reasons_not_numbers() {
     for (name, value) in [("crank.mass", 1e308), ("crank.length", 1e100), ("gravity.acceleration", 1e100)] {
         let mut gear = self::gear(1e-9);
         gear.set(name, value);
-        // Either refused, or its outputs are numbers.
+        // The start is rejected, or all outputs are finite.
         if gear.0.initialize().is_ok() {
             let acceleration = gear.0.get("crank.acceleration");
             assert!(acceleration.unwrap().is_finite() || gear.0.step(1e-3).is_err(), "{name}");

@@ -1,5 +1,5 @@
-//! Signs that select a law, held within a step: closed forms of motions in which a normal force and the direction of a
-//! drive's power change their signs at a speed.
+//! Signs that select a law are held within a step. Closed forms of motions in which a normal force, or the direction of
+//! a drive's power, changes its sign in motion.
 use crate::support::Run;
 use crate::support::definition::{G, With, block, friction, slider_crank};
 use serde_json::{Value, json};
@@ -8,7 +8,7 @@ const MASS: f64 = 2.0;
 const MU: f64 = 0.3;
 const SPEED: f64 = 5.0;
 
-/// A block on a slide along x without gravity, above V_d of its friction, pressed on the guide by a force along y.
+/// A block on a slide along x without gravity, faster than V_d, pressed on the guide by a force along y.
 fn sliding() -> Value {
     block(MASS).with(json!({
         "start": { "speed": SPEED }, "forces": { "press": { "at": "block.origin" } },
@@ -16,15 +16,15 @@ fn sliding() -> Value {
     }))
 }
 
-/// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: between the zeros of F
-/// by Simpson's rule, which is exact there.
+/// Integral over [0, end] of |F| weight, where F and weight are polynomials of degree 2 and 1: Simpson's rule between
+/// the zeros of F is exact.
 fn integral(force: impl Fn(f64) -> f64, weight: impl Fn(f64) -> f64, zeros: &[f64], end: f64) -> f64 {
     let bounds: Vec<f64> = [0.0].into_iter().chain(zeros.iter().copied()).chain([end]).collect();
     let f = |t: f64| force(t).abs() * weight(t);
     bounds.windows(2).map(|w| (w[1] - w[0]) / 6.0 * (f(w[0]) + 4.0 * f(0.5 * (w[0] + w[1])) + f(w[1]))).sum()
 }
 
-/// A force along y by value and two derivatives, its zeros in (0, 1), and the steps of a second.
+/// A force along y by its value and two derivatives, its zeros in (0, 1), and the number of steps in 1 s.
 fn pressed([f0, f1, f2]: [f64; 3], zeros: &[f64], steps: u32) {
     let mut block = Run::new(sliding()).started();
     let force = |t: f64| f0 + t * (f1 + 0.5 * t * f2);
@@ -42,7 +42,7 @@ fn pressed([f0, f1, f2]: [f64; 3], zeros: &[f64], steps: u32) {
     assert!((v - speed).abs() < 1e-9 * SPEED && (x - way).abs() < 1e-9, "{v} {speed}, {x} {way}, {steps} steps");
 }
 
-/// Friction follows the magnitude of a normal force that passes 0, in one step or in many.
+/// Friction follows the magnitude of a normal force that passes 0, in one step and in many.
 #[test]
 fn a_normal_force_passes_zero() {
     for steps in [1, 7, 1000] {
@@ -51,7 +51,7 @@ fn a_normal_force_passes_zero() {
     }
 }
 
-/// A normal force that passes 0 and soon comes back.
+/// A normal force that passes 0 and soon returns.
 #[test]
 fn a_normal_force_dips_below_zero() {
     for width in [0.2, 0.04, 0.005] {
@@ -62,7 +62,7 @@ fn a_normal_force_dips_below_zero() {
     }
 }
 
-/// No normal force at all: its rounding makes no events.
+/// If the normal force is 0, its rounding causes no events.
 #[test]
 fn a_normal_force_of_zero_costs_nothing() {
     let weight = json!({ "gravity": { "acceleration": G, "up_angle": std::f64::consts::PI } });
@@ -73,8 +73,8 @@ fn a_normal_force_of_zero_costs_nothing() {
     assert!(block.statistics().accepted < 40, "{:?}", block.statistics());
 }
 
-/// A lossy drive of a slider holds back a crank that turns through both dead centres: what the mechanism gains in
-/// kinetic energy is the work of the drive, with eta or 1 / eta by the direction of its power.
+/// A drive with losses holds back the slider of a crank that turns through both dead centres. The mechanism's gain of
+/// kinetic energy is the work of the drive times eta or 1 / eta, by the direction of the power.
 #[test]
 fn the_power_of_a_drive_changes_its_direction_at_a_dead_centre() {
     let (crank, rod, efficiency, force): (f64, f64, f64, f64) = (0.2, 0.5, 0.6, 10.0);
@@ -96,7 +96,7 @@ fn the_power_of_a_drive_changes_its_direction_at_a_dead_centre() {
         machine.step(h);
         let (angle, s) = (machine.get("crank.angle"), machine.get("guide.position"));
         let [outer, inner] = [rod + crank, rod - crank];
-        // Out, in, and out again.
+        // The strokes of the slider: out, in, and out again.
         let mut work = efficiency * (outer - place(start));
         if angle < std::f64::consts::PI {
             work -= (outer - s) / efficiency;

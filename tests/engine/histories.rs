@@ -1,6 +1,6 @@
-//! Random histories: a twin that is saved and restored at any time, with derivatives of all inputs set or not, has the
-//! bits of one that is not; and every state that is written is read back. What counts of inputs and parameters is their
-//! values at a step, not the calls that set them.
+//! Random histories of inputs and steps. A twin that is saved and restored at any time gives bit-identical results,
+//! with or without derivatives of inputs. Every state that is written is read back. Only the values of inputs and
+//! parameters at a step count, not the calls that set them.
 
 use crate::cams::{ROLLER, parsed, translating};
 use crate::support::definition::{With, block, friction, weight};
@@ -13,33 +13,33 @@ use linkage_fmu::variables::{Causality, Kind, Reference, Variability};
 use proptest::prelude::*;
 use serde_json::json;
 
-/// How a twin goes on after a step.
+/// How a twin continues after a step.
 #[derive(Clone, Copy, Debug)]
 enum Rollback {
-    /// As it is.
+    /// Unchanged.
     None,
-    /// Restored in place, after another step.
+    /// The same instance, restored after another step.
     InPlace,
-    /// Another instance, restored.
+    /// Another instance, restored from the snapshot.
     Fresh,
     /// Another instance, restored from bytes.
     Bytes,
 }
 
-/// What happens in one communication step.
+/// Actions in one communication step.
 #[derive(Clone, Debug)]
 struct Op {
-    /// Input, by its part of all of them; new value in its unit, 0 more often than not.
+    /// Inputs, each by its fraction of the list of inputs, and a new value in units of the scene; often 0.
     inputs: Vec<(f64, f64)>,
-    /// Input, order, and derivative in its unit over the step.
+    /// Input, order, and derivative in the input's unit over the step.
     derivatives: Vec<(f64, i32, f64)>,
-    /// Boolean input to be turned over.
+    /// Boolean input that changes its value.
     lock: Option<f64>,
     /// Whether outputs are read before the step.
     reads: bool,
-    /// Before the step, with derivatives set, and after it.
+    /// Rollbacks before the step (after derivatives are set), and after the step.
     rollbacks: [Rollback; 2],
-    /// Size of the step, times the scene's.
+    /// Size of the step, in units of the scene's step.
     h: f64,
 }
 
@@ -68,12 +68,12 @@ fn op() -> impl Strategy<Value = Op> {
         })
 }
 
-/// A model with what the history acts on.
+/// A model with the quantities that the history changes.
 struct Scene {
     name: &'static str,
     start: Run,
     h: f64,
-    /// Size of forces and torques beside those of the gear.
+    /// Size of forces and torques relative to those of the gear.
     loads: f64,
 }
 
@@ -133,7 +133,7 @@ fn scenes() -> Vec<Scene> {
     ]
 }
 
-/// Size of an input's values.
+/// Typical size of an input's values.
 fn unit(name: &str, loads: f64) -> f64 {
     match name {
         "airspeed" => 60.0,
@@ -152,10 +152,10 @@ fn written(model: &Model) -> Vec<u8> {
     bytes
 }
 
-/// The model as it goes on after a rollback; `fresh`: another instance of the mechanism.
+/// The model after a rollback. `fresh` is another instance of the mechanism.
 fn rolled_back(model: &mut Model, fresh: &Model, rollback: Rollback, h: f64) -> Result<(), TestCaseError> {
     let bytes = written(model);
-    // Every state that is written is read, as the same one.
+    // Every state that is written can be read, and is the same state.
     let mut read = model.read_snapshot(&bytes).map_err(|e| TestCaseError::fail(format!("its own state: {e}")))?;
     let mut again = Vec::new();
     read.write(&mut again).unwrap();
@@ -180,7 +180,7 @@ fn rolled_back(model: &mut Model, fresh: &Model, rollback: Rollback, h: f64) -> 
     Ok(())
 }
 
-/// Bits of all outputs, or why one has none.
+/// Bits of all outputs, or the reason for an output without a value.
 fn outputs(model: &mut Model, all: &[Reference]) -> Vec<Result<u64, String>> {
     all.iter().map(|&output| model.real(output).map(f64::to_bits).map_err(|e| e.to_string())).collect()
 }
@@ -226,7 +226,7 @@ fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
         let [a, b] = [&mut *one, &mut *twin].map(|model| model.step(h).map_err(|e| e.to_string()));
         prop_assert_eq!(&a, &b, "{}: step {}", scene.name, n);
         if a.is_err() {
-            // A failed step has no successor: the integration would start anew in one of them only.
+            // After a failed step the twins may differ: the integration would restart in only one of them.
             break;
         }
         rolled_back(&mut twin, &fresh, op.rollbacks[1], h)?;
@@ -236,15 +236,15 @@ fn run(scene: &Scene, ops: &[Op]) -> Result<(), TestCaseError> {
 }
 
 #[test]
-fn rollback_leaves_no_trace_whatever_the_inputs_do() {
+fn a_rollback_is_exact_for_any_inputs() {
     for scene in scenes() {
         let result = runner(40).run(&prop::collection::vec(op(), 1..25), |ops| run(&scene, &ops));
         result.unwrap_or_else(|error| panic!("{}: {error}", scene.name));
     }
 }
 
-/// Set all inputs and tunable parameters of a model to other values, and derivatives of inputs, then all to what they
-/// were, twice. `reads`: outputs to be read in between; `rollback`: how the model continues in between.
+/// Set all inputs, tunable parameters and input derivatives of a model to other values and back, twice. `reads`:
+/// outputs read in between. `rollback`: how the model continues in between.
 fn away_and_back(
     model: &mut Model,
     fresh: &Model,
@@ -276,7 +276,7 @@ fn away_and_back(
         }
         reads.map(|all| outputs(model, all));
         match rollback {
-            // A step in between would begin under the other values.
+            // A step in between would use the other values.
             Rollback::InPlace => {}
             other => rolled_back(model, fresh, other, 0.0)?,
         }
@@ -289,10 +289,10 @@ fn away_and_back(
 }
 
 #[test]
-fn values_that_are_set_away_and_back_leave_no_trace() {
+fn values_that_are_changed_and_restored_have_no_effect() {
     let mut scenes = scenes();
     scenes.push(Scene { name: "a smooth motion", start: Run::new(SMOOTH).started(), h: 2e-2, loads: 1.0 });
-    // Short steps, which are read from a step ahead, and every tolerance that hosts pass.
+    // Short steps, which are read from a step ahead, and all tolerances that hosts pass.
     let history = || (prop::collection::vec(op(), 1..25), 3..=10_i32, prop::sample::select(&[1.0_f64, 0.1, 0.01][..]));
     for scene in scenes {
         let result = runner(30).run(&history(), |(ops, digits, part)| {
@@ -305,7 +305,7 @@ fn values_that_are_set_away_and_back_leave_no_trace() {
                 let h = scene.h * part * op.h;
                 for (k, twin) in twins.iter_mut().enumerate() {
                     let list = twin.variables().list().to_vec();
-                    // Inputs are constant at times.
+                    // The inputs are constant during some steps.
                     for &(part, value) in op.inputs.iter().filter(|_| n % 5 == 0) {
                         let input = inputs[(part * inputs.len() as f64) as usize];
                         twin.set_real(input, value * unit(&list[input as usize].name, scene.loads)).unwrap();
@@ -335,7 +335,7 @@ fn values_that_are_set_away_and_back_leave_no_trace() {
     }
 }
 
-/// Air that began to blow within the step before: the airspeed at its start is 0.
+/// The wind starts by a derivative within the step before the saved state: the airspeed at the start of that step is 0.
 #[test]
 fn air_that_blows_by_a_derivative_alone_is_saved() {
     let mut one = gear(&[], &[("crank.start_angle", 0.5)]);
@@ -353,8 +353,8 @@ fn air_that_blows_by_a_derivative_alone_is_saved() {
     assert_eq!(one.get("crank.speed").to_bits(), twin.get("crank.speed").to_bits());
 }
 
-/// A parameter that was set and not used yet is in the bytes of a state, too: the state that is read from them goes on
-/// under that value, though the instance has not written it into its mechanism.
+/// A saved state contains a parameter that was set but not yet used by a step. The restored state continues with the
+/// new value.
 #[test]
 fn a_state_is_read_under_a_parameter_that_was_just_set() {
     let [mut first, mut second] = [Run::gear().started(), Run::gear()];

@@ -1,19 +1,19 @@
-//! A mechanism with a hydraulic network of two cylinders, as one system.
+//! A mechanism with a hydraulic network of two cylinders, as a single system.
 
 use crate::support::{Run, assert_says, changed, read_all, refusal};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 
 const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
-/// States of the arm and its network by another program: tests/networks/lift_arm.py, SciPy's DOP853 at 1e-12.
+/// States of the arm and its network by an independent program: tests/networks/lift_arm.py, SciPy's DOP853 at 1e-12.
 const EXPECTED: &str = include_str!("../networks/lift_arm.txt");
 
-/// The arm under its commands, at a tolerance.
+/// The arm under its commands, with this tolerance.
 fn lifting(tolerance: f64) -> Run {
     Run::shared(ARM).with(&[("solver.tolerance", tolerance)]).started()
 }
 
-/// Name of the variable for a state of the other program, and the size to which a relative error refers.
+/// Name of the variable for a state of the independent program, and the size to which a relative error refers.
 fn variable(name: &str, value: f64) -> Option<(String, f64)> {
     let (owner, part) = name.rsplit_once('.').unwrap_or((name, ""));
     Some(match part {
@@ -27,7 +27,7 @@ fn variable(name: &str, value: f64) -> Option<(String, f64)> {
 }
 
 #[test]
-fn mechanism_and_network_meet_an_independent_integration() {
+fn mechanism_and_network_agree_with_an_independent_integration() {
     for step in [1e-3, 1e-2] {
         let (mut arm, mut steps, mut largest) = (lifting(1e-12), 0, 0.0_f64);
         for line in EXPECTED.lines() {
@@ -46,13 +46,13 @@ fn mechanism_and_network_meet_an_independent_integration() {
         assert!(arm.get("volume.balance").abs() < 1e-12 * moved, "{:e}", arm.get("volume.balance"));
         let throttled = arm.get("energy.throttling");
         assert!(arm.get("energy.balance").abs() < 1e-10 * throttled, "{:e}", arm.get("energy.balance"));
-        // The arm gains what the cylinders deliver.
+        // The arm gains the energy that the cylinders deliver.
         assert!(arm.get("energy.drift").abs() < 1e-9 * arm.get("energy.piston").abs(), "{}", arm.get("energy.drift"));
         println!("steps of {step} s: largest relative error {largest:.1e}");
     }
 }
 
-/// Continuing from a saved state, from its bytes, and from the run itself gives the same numbers.
+/// A run, its saved state and the bytes of the state continue with the same numbers.
 #[test]
 fn a_saved_state_continues_as_the_run() {
     let mut arm = lifting(1e-9);
@@ -69,7 +69,7 @@ fn a_saved_state_continues_as_the_run() {
     assert_eq!(read_all(&mut arm), expected);
 }
 
-/// Time derivatives of outputs against differences.
+/// Time derivatives of outputs against finite differences.
 #[test]
 fn rates_of_outputs_are_those_of_differences() {
     let names = [
@@ -107,7 +107,7 @@ fn rates_of_outputs_are_those_of_differences() {
     }
 }
 
-/// Derivatives by the inputs of the network against central differences.
+/// Derivatives with respect to the inputs of the network against central differences.
 #[test]
 fn derivatives_by_inputs_are_those_of_differences() {
     let mut arm = lifting(1e-9);
@@ -138,7 +138,8 @@ fn derivatives_by_inputs_are_those_of_differences() {
     }
 }
 
-/// The arm rises until the shorter cylinder is at its end, rests there, and leaves it under the opposite command.
+/// The arm rises until the shorter cylinder reaches its end, rests there, and leaves the end under the opposite
+/// command.
 #[test]
 fn the_ends_of_the_cylinders_hold_the_mechanism() {
     for restitution in [0.0, 0.4] {
@@ -162,7 +163,7 @@ fn the_ends_of_the_cylinders_hold_the_mechanism() {
 }
 
 #[test]
-fn faulty_networks_are_refused_by_name() {
+fn faulty_networks_are_rejected_with_their_key() {
     let error = |change: &dyn Fn(&mut Value)| refusal(changed(ARM, |arm| change(arm)));
     let cylinders = |arm: &mut Value| arm["hydraulics"]["cylinders"].take();
     assert_says(
@@ -236,14 +237,14 @@ fn faulty_networks_are_refused_by_name() {
     assert_says(all, &["hydraulics.cylinders.lift.reduced_mass", "hydraulics.solver", "no effect"]);
 }
 
-/// Two runs in steps of another size, and one whose commands change with time.
+/// Two runs with different step sizes, and one whose commands change in time by derivatives.
 #[test]
 fn derivatives_of_inputs_count_and_steps_do_not() {
     let run = |steps: u32| {
         let mut arm = lifting(1e-11);
         let h = 0.2 / f64::from(steps);
         for k in 0..steps {
-            // A command that passes its limit: the ramp 0.6 + 4 t is clipped at 1 from 0.1 s on.
+            // A command beyond its limit: the ramp 0.6 + 4 t is clipped at 1 from 0.1 s on.
             arm.set("lift_valve.command", 0.6 + 4.0 * h * f64::from(k));
             arm.set_derivative("lift_valve.command", 1, 4.0);
             arm.step(h);
@@ -256,7 +257,7 @@ fn derivatives_of_inputs_count_and_steps_do_not() {
     }
 }
 
-/// An accumulator that contains no oil is reported once, also across a saved state.
+/// An accumulator without oil gets one warning, also across a saved state.
 #[test]
 fn an_empty_accumulator_gets_one_warning() {
     let mut arm = Run::new(changed(ARM, |arm| {
@@ -280,7 +281,7 @@ fn an_empty_accumulator_gets_one_warning() {
     }
 }
 
-/// What `check` prints of a network, and a pressure lock whose name is almost that of a lock of the mechanism.
+/// Findings of `check` for a network, including a pressure lock whose name is similar to the name of a lock.
 #[test]
 fn a_check_reports_the_network() {
     let found = inspect(&changed(ARM, |arm| {

@@ -1,5 +1,5 @@
-//! The landing gear and its hydraulic actuator, coupled step by step with the foreseen motion, against reference values
-//! of both integrated as one system by others (80-bit Taylor series).
+//! The landing gear and its hydraulic actuator, coupled step by step with the predicted motion, against reference
+//! values of both as a single system (80-bit Taylor series of an independent program).
 use crate::hydraulic_drive::Row;
 use crate::hydraulic_drive::reference::REFERENCE;
 use crate::support::{GEAR, numbers};
@@ -8,20 +8,20 @@ use linkage_fmu::mechanism;
 
 const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
 
-/// Times and crank angles of the retraction or, `second`, the vibration.
+/// Times and crank angles of the retraction, or of the vibration if `second`.
 fn angles(second: bool) -> Vec<[f64; 2]> {
     let rows: Vec<Row> = numbers(REFERENCE, if second { "vibration" } else { "retraction" });
     rows.into_iter().map(|[time, angle, ..]| [time, angle]).collect()
 }
 
-/// How the gear gets the force, and how the actuator moves.
+/// The force that the gear gets, and the motion that the actuator uses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Scheme {
-    /// Mean force; the actuator keeps its own motion.
+    /// Mean force. The actuator keeps its predicted motion.
     Mean,
-    /// Line; the actuator keeps its own motion.
+    /// Force as a linear function of time. The actuator keeps its predicted motion.
     Line,
-    /// Line; the actuator moves with the gear's motion.
+    /// Force as a linear function of time. The actuator repeats the step with the motion of the gear.
     TwoPasses,
 }
 
@@ -57,7 +57,8 @@ macro_rules! host {
 host!(Gear, mechanism::Model);
 host!(Actuator, hydraulics::Model);
 
-/// Orders 1 to 4 of the derivatives of the speed that has v and a at both ends of a step and covers `way`.
+/// Derivatives of orders 1 to 4 of the speed polynomial with values v and slopes a at both ends of a step and integral
+/// `way`.
 fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
     let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
     let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
@@ -65,7 +66,7 @@ fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64
     [a, 2.0 * second / h.powi(2), 6.0 * third / h.powi(3), 24.0 * fourth / h.powi(4)]
 }
 
-/// Pair of a scene, at a tolerance.
+/// Gear and actuator of a scene, with this tolerance.
 fn pair(second: bool, scheme: Scheme, tolerance: f64, joint_friction: bool) -> (Gear, Actuator) {
     let mut gear = Gear(mechanism::Model::from_json(GEAR).unwrap());
     let mut actuator = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
@@ -156,9 +157,9 @@ fn error(second: bool, scheme: Scheme, h: f64, with_slope: bool) -> f64 {
 }
 
 #[test]
-fn the_pair_meets_the_reference_by_every_scheme() {
+fn the_pair_agrees_with_the_reference_in_every_scheme() {
     use Scheme::{Line, Mean, TwoPasses};
-    // Goals at 1 ms: two passes 5e-9 and 1e-10, held 1e-5 and 1e-6; at 20 ms two passes 2e-5.
+    // Goals at 1 ms: with two passes 5e-9 and 1e-10, with a held force 1e-5 and 1e-6. At 20 ms with two passes 2e-5.
     for (second, scheme, h, with_slope, most) in [
         (false, TwoPasses, 1e-3, true, 5e-9),
         (false, TwoPasses, 1e-3, false, 5e-9),
@@ -179,8 +180,8 @@ fn the_pair_meets_the_reference_by_every_scheme() {
     }
 }
 
-/// A host that hands every value on one step late: both sides step, then all outputs are read, then all inputs are set.
-/// Largest error of the crank angle; none if a step fails.
+/// A host that passes every value one step late: both models step, then it reads all outputs, then it sets all inputs.
+/// Returns the largest error of the crank angle, or none if a step fails.
 fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     let (mut gear, mut actuator) = pair(second, Scheme::Mean, 1e-10, false);
     let word = actuator.reference("coupling.mode");
@@ -189,7 +190,7 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     let terms =
         ["length", "speed", "reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"];
     let table = angles(second);
-    let (mut worst, mut told) = (0.0_f64, None);
+    let (mut worst, mut late_force) = (0.0_f64, None);
     let end = table[table.len() - 1][0];
     actuator.set("preview.horizon", h);
     for step in 1..=(end / h).round() as u32 {
@@ -197,11 +198,11 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
             let value = gear.get(&name);
             actuator.set(&name, value);
         }
-        let force = told.unwrap_or_else(|| actuator.get("preview.force_mean"));
+        let force = late_force.unwrap_or_else(|| actuator.get("preview.force_mean"));
         gear.set("actuator.force", force);
         gear.0.step(h).ok()?;
         actuator.0.step(h).ok()?;
-        told = Some(actuator.get("preview.force_mean"));
+        late_force = Some(actuator.get("preview.force_mean"));
         let t = f64::from(step) * h;
         if let Some([_, angle]) = table.iter().find(|[time, _]| (time - t).abs() < 1e-9) {
             worst = worst.max((gear.get("crank.angle") - angle).abs());
@@ -210,8 +211,8 @@ fn error_late(second: bool, mode: &str, h: f64) -> Option<f64> {
     Some(worst)
 }
 
-/// A pair in a host that is late errs as one in a host that is not, up to 40 ms; without the mode delayed the coupling
-/// is lost from 10 ms on, as the correction of the load reacts to its own delay.
+/// With the mode `delayed` a host with delay has errors as small as a host without delay, up to 40 ms. Without the mode
+/// the coupling is unstable from 10 ms on, as the load correction reacts to its own delay.
 #[test]
 fn a_late_host_keeps_the_coupling_in_the_mode_delayed() {
     for (second, h, most) in [
@@ -236,8 +237,7 @@ fn two_passes_converge_with_order_three_at_least() {
     assert!((coarse / fine).log2() > 2.9, "{coarse:e} {fine:e}");
 }
 
-/// Joint friction and drag, which the element does not know but for the correction of the load: 0.3 s against steps of
-/// 0.1 ms.
+/// Joint friction and drag, which enter the element only through the load correction: 0.3 s against steps of 0.1 ms.
 #[test]
 fn friction_and_drag_of_the_gear_are_corrected() {
     let run = |h: f64| {
@@ -253,19 +253,19 @@ fn friction_and_drag_of_the_gear_are_corrected() {
 }
 
 #[test]
-fn after_a_contact_the_pair_goes_on() {
+fn after_a_contact_the_pair_continues() {
     let (mut gear, mut actuator) = pair(false, Scheme::Line, 1e-10, false);
     for _ in 0..4200 {
         exchange(&mut gear, &mut actuator, Scheme::Line, 1e-3, true);
     }
     assert_eq!(gear.get("crank.speed"), 0.0);
     assert!((gear.get("crank.angle") + 1.3).abs() < 1e-9);
-    // The rod stands still, so the pressures come to those of a blocked cylinder with the valve open.
+    // The rod is at rest, so the pressures tend to those of a blocked cylinder with an open valve.
     assert!(actuator.get("chamber_a.pressure") > 15e6 && actuator.get("actuator.force") > 1e4);
 }
 
-/// 2 zeta/omega [ms] of the oil spring against the reduced mass at crank angles of the retraction, in three digits,
-/// from the eigenvalues of others.
+/// 2 zeta/omega [ms] of the oil spring against the reduced mass, at crank angles of the retraction: three digits from
+/// an independent eigenvalue computation.
 #[test]
 fn the_stable_step_is_that_of_the_table() {
     const TABLE: [[f64; 2]; 6] = [[0.4, 1.08], [0.0, 1.00], [-0.4, 1.38], [-0.8, 2.73], [-1.1, 4.28], [-1.25, 0.97]];
@@ -275,7 +275,7 @@ fn the_stable_step_is_that_of_the_table() {
     let (mut before, mut first) = ([0.0; 2], true);
     while let Some([angle, expected]) = next {
         exchange(&mut gear, &mut actuator, Scheme::TwoPasses, 1e-3, true);
-        // The inputs are the gear's before the step, the pressures those after it: 1 ms apart.
+        // The inputs are those of the gear before the step, the pressures those after it: 1 ms apart.
         let now = [gear.get("crank.angle"), actuator.get("coupling.stable_step") * 1e3];
         if first {
             first = false;

@@ -1,4 +1,4 @@
-//! What stops have met: number, time and impulse of impacts, against closed forms.
+//! Records of stops: number, time and impulse of impacts, against closed forms.
 
 use crate::support::definition::{G, With, block};
 use crate::support::{GEAR, Run, SLIDER_CRANK, changed};
@@ -7,7 +7,7 @@ use std::fmt::Display;
 
 const MASS: f64 = 3.5;
 
-/// A block at 2 m above the ground of its slide; stops as given.
+/// A block 2 m above the origin of its slide, with these stops.
 fn above(stops: Value) -> Value {
     block(MASS).with(json!({
         "actuators": { "load": { "joint": "slide" } }, "start": { "position": 2.0 }, "guess": { "slide": 2.0 },
@@ -19,7 +19,7 @@ fn floor(restitution: f64) -> Value {
     json!({ "floor": { "joint": "slide", "position": 0.5, "limit": "lower", "restitution": restitution } })
 }
 
-/// The block under a constant weight, on a floor of this restitution.
+/// The block under a constant weight, on a floor with this restitution.
 pub fn bouncing(restitution: f64) -> String {
     changed(above(floor(restitution)), |m| m["actuators"]["load"]["force"] = json!(-MASS * G))
 }
@@ -49,7 +49,7 @@ fn a_falling_block_gives_the_floor_its_momentum() {
         assert_eq!(count, 1.0);
         assert!((time - hit).abs() < 1e-12, "{time} {hit}");
         assert!((impulse - expected).abs() < 1e-9 * expected, "{impulse} {expected}");
-        // Each flight is shorter than the one before by the restitution.
+        // Each flight is shorter than the previous flight by the factor of the restitution.
         let (mut next, mut flight) = (hit, 2.0 * restitution * speed / G);
         for bounce in 1..4 {
             if restitution == 0.0 {
@@ -65,7 +65,7 @@ fn a_falling_block_gives_the_floor_its_momentum() {
     }
 }
 
-/// Bounces until they end, within one step and within many: the same record.
+/// A series of bounces until it ends, in one step and in many: the same record.
 #[test]
 fn all_bounces_of_a_series_count() {
     let restitution = 0.7_f64;
@@ -74,19 +74,19 @@ fn all_bounces_of_a_series_count() {
     cut.steps(500, 5.0);
     let [count, time, impulse] = met(&mut whole, "floor");
     assert_eq!(met(&mut cut, "floor")[0], count);
-    // The time of rest in closed form. A flight lower than rounding of sigma, some 1e-14 m and 1e-7 s, is rest.
+    // Time of rest in closed form. A flight within the rounding of sigma, some 1e-14 m or 1e-7 s, counts as rest.
     let (hit, speed) = first_impact();
     let rest = hit + 2.0 * speed / G * restitution / (1.0 - restitution);
     assert!(count > 30.0 && (time - rest).abs() < 1e-6, "{count} {time} {rest}");
     assert!(impulse > 0.0 && impulse < 1e-2, "{impulse}");
     assert_eq!(whole.get("slide.speed"), 0.0);
-    // Lying there is no impact.
+    // A block at rest on the floor makes no impacts.
     whole.step(1.0);
     assert_eq!(met(&mut whole, "floor"), [count, time, impulse]);
 }
 
-/// The energy that the up stop of the gear takes is that of its impulse: P = I_z omega (1 + e), E = I_z omega^2 (1 -
-/// e^2) / 2, so that E = P omega (1 - e) / 2, without any number of the gear's inertia.
+/// The energy that the up stop absorbs follows from its impulse: P = I_z omega (1 + e) and E = I_z omega^2 (1 - e^2) /
+/// 2 give E = P omega (1 - e) / 2, without the inertia of the gear.
 #[test]
 fn the_impulse_of_the_gear_fits_to_the_energy_lost() {
     let (hit, speed) = (0.132_059_852_744_259_7, 30.257_773_253_560_312);
@@ -106,9 +106,9 @@ fn the_impulse_of_the_gear_fits_to_the_energy_lost() {
     }
 }
 
-/// A bumper tells the momentum with which it is met: reduced mass times speed.
+/// The recorded impulse of a bumper is the momentum at first contact: reduced mass times speed.
 #[test]
-fn a_bumper_tells_the_momentum_that_comes() {
+fn a_bumper_records_the_incoming_momentum() {
     let bumper = json!({ "pad": { "joint": "slide", "position": 0.5, "limit": "lower", "rigid": false,
         "stiffness": 4e4, "damping": 100.0 } });
     let mut run = falling(above(bumper));
@@ -130,7 +130,7 @@ fn initialisation_clears_the_record() {
     assert_eq!(met(&mut run, "floor"), [0.0, -1.0, 0.0]);
 }
 
-/// The rates of what changes at events only are 0, by time and by every input.
+/// Outputs that change only at events have the rate 0.
 #[test]
 fn the_record_has_no_rates() {
     let mut gear = Run::gear().started();
@@ -140,7 +140,7 @@ fn the_record_has_no_rates() {
     }
 }
 
-/// A step that fails leaves the record as it was: the bound on work stops a chatter, then the state goes back.
+/// A step that the bound on work interrupts counts the impacts of the part that was made.
 #[test]
 fn a_step_made_in_part_counts_its_part() {
     let definition = changed(above(floor(0.9)), |m| m["solver"] = json!({ "tolerance": 1e-9, "max_steps": 40 }));

@@ -1,11 +1,11 @@
-//! Inputs that change within a step: order, exactness, energy, and releases from a stop or a drive in between.
+//! Inputs that change within a step: order, exactness, energy, and release from a stop or a drive within the step.
 
 use crate::support::{GEAR, Run, replaced};
 
 const FORCE: &str = "\"force\": 30000";
 
-/// The gear at its start with these values; flags are set to true, and the word "efficiency" gives the drive one of
-/// 0.6.
+/// The gear at its start with these values. The flags are set to true. The flag `efficiency` gives the drive the
+/// efficiency 0.6.
 fn gear(values: &[(&str, f64)], flags: &[&str]) -> Run {
     let changed = format!("{FORCE}, \"efficiency\": 0.6");
     let mut gear =
@@ -14,7 +14,7 @@ fn gear(values: &[(&str, f64)], flags: &[&str]) -> Run {
     gear.with(values).started()
 }
 
-/// Angle and speed after a ramp of the actuator's force from `force` at this rate over `span`.
+/// Angle and speed at the end of a ramp of the actuator force: from `force` at this rate over `span`.
 fn ramped(mut gear: Run, force: f64, rate: f64, span: f64) -> [f64; 2] {
     gear.set("actuator.force", force);
     gear.set_derivative("actuator.force", 1, rate);
@@ -26,7 +26,7 @@ fn state(gear: &mut Run) -> [f64; 2] {
     ["crank.angle", "crank.speed"].map(|name| gear.get(name))
 }
 
-/// Tight enough that the error of the integration does not show beside that of the inputs.
+/// The error of the integration is small compared with the error from the inputs.
 const TIGHT: (&str, f64) = ("solver.tolerance", 1e-13);
 const SPAN: f64 = 0.08;
 
@@ -61,7 +61,7 @@ fn each_derivative_raises_the_order_by_one() {
             };
             let errors = [40, 80, 160].map(error);
             let order = (errors[1] / errors[2]).log2();
-            // The leading terms of the orders 1 and 3 happen to be small here, so that the next ones show.
+            // In this run the leading error terms of orders 1 and 3 are small, so the next terms dominate.
             let above = order - f64::from(derivatives + 1);
             assert!(-0.25 < above && above < 0.8, "{derivatives} {errors:?}");
         }
@@ -70,7 +70,7 @@ fn each_derivative_raises_the_order_by_one() {
 
 #[test]
 fn one_step_under_a_parabola_is_as_good_as_many() {
-    // All inputs that act change; so do the wind and gravity.
+    // All inputs that act change in time, with wind and gravity.
     let inputs = [
         ("actuator.force", [3e4, -4e4, 3e6]),
         ("load_factor", [3.0, -20.0, 100.0]),
@@ -122,7 +122,7 @@ fn derivatives_hold_for_one_step_and_the_input_stays_where_it_came_to() {
     gear.step(1e-3);
     assert_eq!(gear.get("actuator.force"), 31_000.0);
     let mut other = self::gear(&[], &[]);
-    // The order of value and derivative does not matter.
+    // Value and derivative may be set in any order.
     other.set_derivative("actuator.force", 1, 1e6);
     other.set("actuator.force", 30_000.0);
     other.step(1e-3);
@@ -131,7 +131,7 @@ fn derivatives_hold_for_one_step_and_the_input_stays_where_it_came_to() {
 }
 
 #[test]
-fn a_ramp_lets_go_of_the_down_stop_in_time() {
+fn a_ramp_releases_the_gear_from_the_down_stop_at_the_exact_time() {
     for flags in [&[][..], &["friction.enabled"]] {
         let mut gear = gear(&[("actuator.force", 0.0), TIGHT], flags);
         let holding = gear.get("actuator.holding_force");
@@ -143,7 +143,7 @@ fn a_ramp_lets_go_of_the_down_stop_in_time() {
         gear.set_derivative("actuator.force", 1, rate);
         gear.step(0.999 * release);
         assert!((state(&mut gear)[0] - 0.8).abs() < 1e-14 && state(&mut gear)[1] == 0.0);
-        // One long step over the release, against a start from it.
+        // One long step across the release, against a start at the release.
         let rest = 0.01;
         let long = ramped(self::gear(&[("actuator.force", start), TIGHT], flags), start, rate, release + rest);
         let short = ramped(self::gear(&[("actuator.force", holding), TIGHT], flags), holding, rate, rest);
@@ -159,7 +159,8 @@ fn a_ramp_overcomes_the_drive_that_holds_the_gear_at_rest() {
     let at = [("crank.start_angle", 0.5), TIGHT];
     let mut gear = gear(&at, &["efficiency"]);
     let holding = gear.get("actuator.holding_force");
-    // Forward it takes the holding force over the efficiency, backward times it; between the two the drive holds.
+    // The drive moves forward above the holding force / efficiency, backward below holding force x efficiency. In
+    // between it holds the gear.
     let [first, last] = if holding < 0.0 { [holding, 0.2 * holding] } else { [holding, 3.0 * holding] };
     let limit = if holding < 0.0 { 0.6 * holding } else { holding / 0.6 };
     let release = 0.0312;
@@ -185,7 +186,7 @@ fn a_ramp_that_turns_brings_the_gear_back_to_its_stop() {
 }
 
 #[test]
-fn a_derivative_out_of_range_is_refused() {
+fn an_input_derivative_out_of_range_is_rejected() {
     let mut gear = gear(&[], &[]);
     let (force, angle) = (0, gear.0.reference("crank.angle").unwrap());
     for (reference, order, value) in

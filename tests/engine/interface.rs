@@ -1,4 +1,4 @@
-//! The gear's interface: names, units, start values, and dependencies that are true to the code.
+//! The interface of the gear: names, units, start values, and true dependencies.
 
 use crate::support::{CURVES, GEAR, Run, reals, replaced, values};
 use linkage_fmu::mechanism::Model;
@@ -67,10 +67,10 @@ fn the_guid_follows_the_interface_not_the_numbers() {
     assert_ne!(guid(GEAR), guid(&GEAR.replace("\"wheel\": { \"at\"", "\"tyre\": { \"at\"")));
 }
 
-/// The GUID is what an importer compares, the second number what a saved state is held against: it hashes the
-/// definition's structure as JSON. Another GUID here means that FMUs of the same `mechanism.json` are no longer
-/// exchangeable; another number means that states saved by earlier versions are refused, as after a new key of the
-/// format. Both are to be changed on purpose only.
+/// An importer compares the GUID. A saved state is compared with the second number, a hash of the structure of the
+/// definition as JSON. If the GUID changes, FMUs of the same `mechanism.json` are not exchangeable any more. If the
+/// number changes, as after a new key of the format, states saved by earlier versions are rejected. Both may only
+/// change on purpose.
 #[test]
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
@@ -78,12 +78,12 @@ fn the_identity_of_the_gear_is_pinned() {
     assert_eq!(gear.identity(), [0x6384_0A38_BDB9_9731, 0xB3EB_6788_404E_7043]);
 }
 
-/// The gear in one formulation only.
+/// The gear in the reduced formulation only.
 fn without_method() -> String {
     replaced(GEAR, &[(r#", "method": "reduced", "fem_step": 1e-5"#, "")])
 }
 
-/// Away from the special values of the defaults, where a true dependency may vanish by accident.
+/// A state without special values, in which a true dependency might vanish by accident.
 fn general(text: &str, reduced: bool) -> Run {
     let mut run = Run::new(text).with(&[("friction.enabled", reduced), ("air.relative_wind", reduced)]).with(&[
         ("wheel.force_x", 210.0),
@@ -105,14 +105,14 @@ fn dependencies_are_true() {
     check_dependencies(&general(&without_method(), true), true);
 }
 
-/// Where drives, dampers, a coil and a bumper have curves.
+/// Dependencies in a mechanism whose drives, dampers, torsional spring and bumper have curves.
 #[test]
 fn dependencies_of_curves_are_true() {
     let start = [("crank.start_speed", -14.0), ("crank.start_angle", 0.9), ("motor.command", 0.7)];
     check_dependencies(&Run::new(CURVES).with(&start).with(&[("friction.enabled", true)]), false);
 }
 
-/// Where the formulation can be chosen, the listed dependencies are those of both.
+/// If the formulation can be chosen, the stated dependencies cover both formulations.
 #[test]
 fn dependencies_hold_for_both_formulations() {
     for reduced in [true, false] {
@@ -120,18 +120,19 @@ fn dependencies_hold_for_both_formulations() {
     }
 }
 
-/// Change a Real by a hundredth, down if up is out of its range, or from 0 to 0.05.
+/// Change a Real by 1 %: upwards, or downwards if the larger value is out of range. A 0 becomes 0.05.
 fn alter(run: &mut Run, reference: Reference) {
     let value = run.real(reference).unwrap();
     let up = run.set_real(reference, value * 1.01 + if value == 0.0 { 0.05 } else { 0.0 });
     up.or_else(|_| run.set_real(reference, value * 0.99)).unwrap();
 }
 
-/// `exactly`: every listed dependency is seen too.
+/// `exactly`: every stated dependency must also be observed.
 fn check_dependencies(base: &Run, exactly: bool) {
     let list = base.variables().list().to_vec();
     let initial_dependencies = base.initial_dependencies().unwrap().unwrap();
-    // Stops and locks have a test of their own; limits of a drive follow the present position only where one holds.
+    // Separate tests cover stops and locks. The limits of a drive follow the present position only if a stop or lock
+    // holds.
     let apart = |r: &Reference| {
         let name = &list[*r as usize].name;
         ["upstop", "downstop", "uplock", "downlock"].iter().any(|n| name.starts_with(n)) || name.ends_with("_limit")
@@ -150,7 +151,7 @@ fn check_dependencies(base: &Run, exactly: bool) {
         let mut changed = base.clone();
         alter(&mut changed, cause);
         match changed.0.initialize() {
-            // The air, which one formulation has not.
+            // The finite elements do not support the air.
             Err(refused) if !exactly => {
                 assert!(refused.to_string().starts_with("airspeed"), "{refused}");
                 continue;
@@ -160,12 +161,12 @@ fn check_dependencies(base: &Run, exactly: bool) {
         let after = values(&mut changed, &all);
         for (k, &effect) in all.iter().enumerate().filter(|(_, e)| **e != drift) {
             let listed = initial_dependencies[effect as usize].contains(&cause);
-            // A change of a hundredth shows far above the rounding of the tables.
+            // The effect of a change of 1 % is far above the rounding of the tables.
             let seen = (after[k] - before[k]).abs() > 1e-9 * before[k].abs().max(1e-3);
             compare("at the start", cause, effect, listed, seen);
         }
     }
-    // Between steps: only inputs act, at once.
+    // Between two steps only inputs may change. They act at once.
     for &cause in &refs(Causality::Input) {
         let mut changed = initial.clone();
         changed.step(1e-3);
@@ -180,7 +181,8 @@ fn check_dependencies(base: &Run, exactly: bool) {
     }
 }
 
-/// Whatever runs can be packed: a number that may not change alone, as two keys must agree, has dependencies too.
+/// Every mechanism that runs can be packed: a number that two keys must agree on cannot be changed alone, but has
+/// dependencies.
 #[test]
 fn every_mechanism_has_dependencies_of_initial_values() {
     let gears = r#"{ "name": "Gears", "bodies": { "ground": { "points": { "far": [0.3, 0] } },

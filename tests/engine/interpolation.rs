@@ -1,12 +1,12 @@
-//! Tables of cams and of prescribed motions against the laws whose points they are: acceleration and force tend to
-//! those of the law, rests rest, and a curve that is asked to be monotone is.
+//! Tables of cams and of prescribed motions, compared with the law whose points they contain. Acceleration and force
+//! converge to those of the law, rests are exact, and a monotone curve is monotone.
 use crate::cams::{ROLLER, lift, parsed, translating};
 use crate::support::definition::{With, block};
 use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// The cam with the points of its law in place of the law.
+/// The cam with points of its law instead of the law.
 fn tabulated(law: &str, count: u32, keys: &Value) -> String {
     let points: Vec<_> =
         (0..count).map(|k| TAU * f64::from(k) / f64::from(count)).map(|u| json!([u, lift(law, 0.02, u)[0]])).collect();
@@ -18,12 +18,12 @@ fn tabulated(law: &str, count: u32, keys: &Value) -> String {
     })
 }
 
-/// Largest error of a table's acceleration of the follower at a constant speed of the cam, in parts of the law's
-/// largest.
+/// Largest error of the follower's acceleration with a table at constant cam speed, relative to the largest
+/// acceleration of the law.
 fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
     let run = |text: &str, angle: f64| {
         let mut run = Run::new(changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();
-        // Beyond what the cam's own acceleration adds: s'' w^2.
+        // s'' w^2, without the part from the cam's own acceleration.
         let slope = run.get("guide.speed") / run.get("disc.speed");
         run.get("guide.acceleration") - slope * run.get("disc.acceleration")
     };
@@ -40,14 +40,15 @@ fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
 
 #[test]
 fn the_acceleration_of_a_cam_by_points_tends_to_that_of_its_law() {
-    // Beside the borders of the segments the third derivative of a cycloid jumps, the fourth one of a polynomial 4567.
+    // At the borders of segments the third derivative of the cycloid and the fourth derivative of the 4567 polynomial
+    // jump.
     for (law, finest, order) in [("polynomial_4567", 5e-4, 1.5), ("cycloidal", 2e-2, 0.8)] {
         let errors = [60, 120, 240].map(|count| error_of_table(law, count, &json!({})));
         println!("{law}: {errors:?}");
         assert!(errors[2] < finest, "{law}: {errors:?}");
         assert!(errors[0] > errors[2] * f64::powf(4.0, order), "{law}: {errors:?}");
     }
-    // A monotone curve does not.
+    // With a monotone curve the acceleration does not converge.
     let error = error_of_table("polynomial_4567", 240, &json!({ "interpolation": "monotone" }));
     println!("monotone: {error}");
     assert!(error > 0.1, "{error}");
@@ -64,7 +65,7 @@ fn servo(motion: &Value) -> Run {
 
 #[test]
 fn the_force_of_a_motion_by_points_tends_to_that_of_its_law() {
-    // Distance and acceleration of a polynomial 4567 over 0.8 s after a rest of 0.1 s, and before another.
+    // Position and acceleration of a 4567 polynomial over 0.8 s, with a rest of 0.1 s before and a rest after it.
     let law = |t: f64| {
         let u = ((t - 0.1) / 0.8).clamp(0.0, 1.0);
         let s = u.powi(4) * (35.0 - 84.0 * u + 70.0 * u * u - 20.0 * u.powi(3));
@@ -81,13 +82,13 @@ fn the_force_of_a_motion_by_points_tends_to_that_of_its_law() {
         worst
     });
     println!("{errors:?}");
-    // Of 7 N.
+    // Relative to 7 N.
     assert!(errors[2] < 1e-5, "{errors:?}");
     assert!(errors[0] > 100.0 * errors[2], "{errors:?}");
 }
 
 #[test]
-fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
+fn a_table_is_flat_between_equal_points_and_monotone_on_request() {
     let points = json!([[0, 0], [0.2, 0], [0.3, 1], [0.5, 1], [0.9, 1], [1.0, 0.4], [1.6, 0.2]]);
     let mut run = servo(&json!({ "profile": "table", "points": points }));
     let mut least = f64::INFINITY;
@@ -113,7 +114,7 @@ fn a_table_rests_where_its_points_do_and_is_monotone_if_asked() {
 }
 
 #[test]
-fn a_curve_without_points_is_refused() {
+fn a_curve_without_points_is_rejected() {
     let text =
         changed(translating("cycloidal", parsed(ROLLER)), |m| m["couplings"]["cam"]["interpolation"] = json!("spline"));
     assert_says(refusal(&text), &["couplings.cam.interpolation", "this cam has no points"]);

@@ -1,4 +1,5 @@
-//! Rotors and constant friction of joints: closed forms, the balance of moments of a body, exact rest, refusals.
+//! Rotors and constant friction of joints: closed forms, the balance of moments of a body, exact rest, rejected
+//! definitions.
 use crate::support::definition::{G, With, block, friction, rod, slider_crank, weight, wheel};
 use crate::support::{Run, assert_near, assert_says, refusal};
 use serde_json::{Value, json};
@@ -7,7 +8,7 @@ use std::f64::consts::PI;
 const ROTOR: f64 = 0.3;
 const FRICTION: f64 = 1.5;
 
-/// A wheel of 0.2 kg.m2 with a motor and these keys of its joint.
+/// A wheel of 0.2 kg.m2 with a motor, and these keys of its joint.
 fn spun(joint: Value, speed: f64) -> Value {
     wheel(0.2).with(json!({
         "joints": { "hub": joint }, "actuators": { "motor": { "joint": "hub", "torque": 0 } },
@@ -23,7 +24,7 @@ fn a_rotor_adds_its_inertia_to_the_relative_motion() {
     run.step(0.5);
     run.near("wheel.speed", 4.0, 1e-12);
     run.near("energy.kinetic", 4.0, 1e-12);
-    // The rotor alone has an inertia.
+    // The rotor is the only inertia.
     let mut bare = spun(json!({ "armature": ROTOR }), 0.0);
     bare["bodies"]["wheel"] = json!({});
     let mut run = Run::new(bare).with(&[("motor.torque", 6.0)]).started();
@@ -32,7 +33,7 @@ fn a_rotor_adds_its_inertia_to_the_relative_motion() {
     run.near("motor.reduced_inertia", 2.0, 1e-13);
 }
 
-/// A slider-crank with a motor, gravity and these keys of its joints.
+/// A slider-crank with a motor and gravity, and these keys of its joints.
 fn machine(joints: Value, speed: f64) -> Value {
     slider_crank([rod(0.1, 1.2), rod(0.3, 0.9), json!({ "mass": 0.5 })], 0.7).with(json!({ "joints": joints })).with(
         json!({
@@ -44,8 +45,8 @@ fn machine(joints: Value, speed: f64) -> Value {
     )
 }
 
-/// The kinetic energy holds that of the rotor, the energy stays, and the rod is in balance: its own inertia, the forces
-/// at its ends and the couple that the rotor takes.
+/// The kinetic energy includes the rotor, and the total energy is constant. The rod is in balance under its own
+/// inertia, the forces at its ends and the couple of the rotor.
 #[test]
 fn a_rotor_between_moving_bodies_takes_its_couple() {
     let mut run = Run::new(machine(json!({ "pin": { "armature": 0.02 } }), 9.0)).started();
@@ -68,7 +69,7 @@ fn a_rotor_between_moving_bodies_takes_its_couple() {
     }
 }
 
-/// In a slide the rotor is the mass of a screw with the lead 2 pi, which is another element.
+/// In a slide the rotor acts like the mass of a screw with the lead 2 pi.
 #[test]
 fn a_rotor_of_a_slide_is_a_screw() {
     let screw = json!({ "screw": { "lead": 2.0 * PI, "inertia": 0.7 }, "torque": 0, "joint": "guide" });
@@ -86,7 +87,7 @@ fn a_rotor_of_a_slide_is_a_screw() {
 #[test]
 fn constant_friction_stops_a_wheel_at_the_instant_and_holds_it() {
     let mut run = Run::new(spun(json!({ "frictionloss": FRICTION }), 6.0)).started();
-    // 7.5 rad/s2 for 0.8 s.
+    // The wheel decelerates at 7.5 rad/s2 for 0.8 s.
     for k in 1..=4 {
         run.step(0.19);
         let t = 0.19 * f64::from(k);
@@ -112,7 +113,7 @@ fn constant_friction_stops_a_wheel_at_the_instant_and_holds_it() {
     run.near("wheel.acceleration", 5.0, 1e-12);
 }
 
-/// Coulomb's oscillator: each half swing is one of a cosine and loses 2 F / k.
+/// Coulomb's oscillator: each half swing is a cosine. Its amplitude decreases by 2 F / k.
 #[test]
 fn a_spring_against_constant_friction_loses_the_same_in_each_swing() {
     let [mass, stiffness, force, start]: [f64; 4] = [2.0, 50.0, 4.0, 0.9];
@@ -130,7 +131,7 @@ fn a_spring_against_constant_friction_loses_the_same_in_each_swing() {
         run.near("slide.position", -sign * (from - loss), 1e-10);
         run.near("energy.drift", 0.0, 1e-10);
     }
-    // Within F / k of the middle friction holds.
+    // Within F / k of the middle, friction holds the block.
     run.step(10.0 * half);
     let rest = run.get("slide.position");
     assert!(rest.abs() <= 0.5 * loss + 1e-9 && run.get("slide.speed") == 0.0);
@@ -138,7 +139,7 @@ fn a_spring_against_constant_friction_loses_the_same_in_each_swing() {
     assert_eq!(run.get("slide.position"), rest);
 }
 
-/// Together with friction that the reactions cause, in the same joint and in others.
+/// Constant friction acts in addition to the friction caused by reactions, in the same joint and in other joints.
 #[test]
 fn constant_friction_adds_to_that_of_reactions() {
     let text = block(2.0).with(json!({
@@ -157,7 +158,7 @@ fn constant_friction_adds_to_that_of_reactions() {
     run.near("slide.friction_force", -3.0, 1e-12);
 }
 
-/// The load at the crank of constant friction in each joint is the friction times the slip for each radian.
+/// Constant friction in a joint acts on the crank with friction x slip per radian of crank angle.
 #[test]
 fn constant_friction_in_a_mechanism_does_the_work_of_its_slip() {
     let losses = [("bearing", 0.2), ("pin", 0.1), ("wrist", 0.05), ("guide", 4.0)];
@@ -177,7 +178,8 @@ fn constant_friction_in_a_mechanism_does_the_work_of_its_slip() {
         };
         let (mut rubbing, mut plain) = (Run::new(text(true)).started(), Run::new(text(false)).started());
         if pins {
-            // Friction causes friction, so that the sum of both is not that of each.
+            // Friction increases reactions and so other friction: the joint effect of both is not the sum of the single
+            // effects.
             let more = plain.get("crank.acceleration") - rubbing.get("crank.acceleration");
             assert!(more > 0.0);
         } else {
@@ -195,14 +197,14 @@ fn constant_friction_in_a_mechanism_does_the_work_of_its_slip() {
     }
 }
 
-/// The friction of reactions that constant friction causes is found with it: the same as that of an applied torque.
+/// Constant friction causes reactions, and these cause friction. The result is the same as for an applied torque.
 #[test]
 fn friction_of_reactions_counts_those_to_constant_friction() {
     let law = friction([0.2, 0.2], [0.0; 2]).with(json!({ "law": "stick" }));
     let base = machine(json!({ "pin": { "pin_radius": 0.02 }, "wrist": { "pin_radius": 0.02 } }), 9.0)
         .with(json!({ "friction": law }));
     let mut constant = Run::new(base.clone().with(json!({ "joints": { "pin": { "frictionloss": 0.4 } } }))).started();
-    // The rod turns back relative to the crank, so that the friction turns it forward, and the crank back.
+    // The rod turns backward relative to the crank, so the friction acts forward on the rod and backward on the crank.
     let mut applied =
         Run::new(base.with(json!({ "actuators": { "brake": { "joint": "pin", "torque": 0.4 } } }))).started();
     assert!(applied.get("brake.speed") < 0.0);
@@ -213,7 +215,7 @@ fn friction_of_reactions_counts_those_to_constant_friction() {
 }
 
 #[test]
-fn what_is_no_rotor_and_no_friction_is_refused() {
+fn wrong_rotors_and_frictions_are_rejected() {
     for (joint, pieces) in [
         (json!({ "armature": -1 }), &["joints.hub.armature", "-1", ">= 0"][..]),
         (json!({ "frictionloss": -1 }), &["joints.hub.frictionloss", "-1", ">= 0"]),

@@ -1,4 +1,4 @@
-//! Equilibria and small motions: closed forms, finite differences, and the ring-down of a simulated motion.
+//! Equilibria and small oscillations: closed forms, finite differences, and the decay of a simulated oscillation.
 
 use crate::support::definition::{self, G, With, arm, block, rod, weight};
 use crate::support::{Run, assert_says, refusal};
@@ -6,7 +6,7 @@ use linkage_fmu::component::{Component, Linearisation, Linearised};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Rounding of the tables, 1e-13 of their largest values, in a sum of a few.
+/// Rounding of a sum of a few tables, 1e-13 of their largest values each.
 const ACCURACY: f64 = 1e-11;
 
 /// A mass of 2 kg on a massless rod of 0.5 m.
@@ -32,7 +32,7 @@ fn carriage(stiffness: f64, damping: f64) -> Value {
     }))
 }
 
-/// Linearise at the start, with these inputs and outputs.
+/// Linearise at the start with respect to this coordinate and these inputs and outputs.
 fn here(definition: &Value, coordinate: &str, inputs: &[&str], outputs: &[&str]) -> Linearised {
     let mut model = Component::from_definition("mechanism.json", &definition.to_string()).unwrap();
     let what = asked(&model, coordinate, inputs, outputs, None);
@@ -78,8 +78,8 @@ fn a_pendulum_starts_hanging_and_swings_at_the_root_of_g_over_l() {
     close(at.eigenvalues[0][1], omega, 10.0);
 }
 
-/// Under a torque T the pendulum hangs at cos(theta) = T / (m g l), and swings with the component of gravity along the
-/// rod.
+/// Under a torque T the pendulum hangs at cos(theta) = T / (m g l). The gravity component along the rod determines its
+/// frequency.
 #[test]
 fn inputs_before_the_end_of_the_initialisation_move_the_equilibrium_and_later_ones_do_not() {
     let mut run = Run::new(pendulum());
@@ -104,7 +104,7 @@ fn inputs_before_the_end_of_the_initialisation_move_the_equilibrium_and_later_on
     run.restore(&snapshot).unwrap();
     run.step(0.1);
     assert_eq!(run.get("arm.angle").to_bits(), moved.to_bits());
-    // A torque beyond the weight turns it round for ever.
+    // A torque larger than the moment of the weight turns the pendulum without end.
     let mut definition = pendulum();
     definition["actuators"]["motor"]["torque"] = json!(1.01 * weight);
     assert_says(
@@ -137,7 +137,7 @@ fn a_carriage_rests_where_spring_and_force_balance() {
 }
 
 #[test]
-fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
+fn positions_without_an_equilibrium_are_rejected_with_the_reason() {
     let neutral = carriage(0.0, 0.0);
     assert_says(refusal(&neutral), &["start.equilibrium", "no load acts", "give a start position"]);
     let mut pressed = carriage(0.0, 0.0);
@@ -149,7 +149,7 @@ fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
     pressed["stops"]["left"] = json!({
         "joint": "slide", "position": -1, "limit": "lower", "rigid": false, "stiffness": 1e4, "damping": 10
     });
-    // The bumper carries the push of 5 N at this depth.
+    // The bumper balances the push of 5 N at this depth.
     close(Run::new(&pressed).started().get("slide.position"), -1.0 - 5.0 / 1e4, 1.0);
     let mut open_rail = carriage(300.0, 1.0);
     open_rail.as_object_mut().unwrap().remove("stops");
@@ -162,9 +162,9 @@ fn what_has_no_equilibrium_is_rejected_with_the_reason_and_stops_hold() {
     }
 }
 
-/// The word alone starts from the guess, and has no parameters of the start.
+/// The key `equilibrium` alone searches from the guess, and adds no parameters of the start.
 #[test]
-fn the_word_alone_seeks_from_the_guess() {
+fn equilibrium_true_searches_from_the_guess() {
     let mut definition = pendulum();
     definition["start"] = json!("equilibrium");
     let mut run = Run::new(&definition).started();
@@ -172,22 +172,22 @@ fn the_word_alone_seeks_from_the_guess() {
     assert!(run.0.reference("arm.start_angle").is_err());
     let inspection = Component::inspect("mechanism.json", &definition.to_string()).unwrap();
     assert_eq!(inspection.findings, []);
-    let told: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria")).collect();
-    assert_eq!(told.len(), 2, "{told:?}");
-    let stable = told.iter().find(|fact| fact.text.starts_with("stable")).unwrap();
+    let equilibria: Vec<_> = inspection.facts.iter().filter(|fact| fact.topic.starts_with("Equilibria")).collect();
+    assert_eq!(equilibria.len(), 2, "{equilibria:?}");
+    let stable = equilibria.iter().find(|fact| fact.text.starts_with("stable")).unwrap();
     let eigenfrequency = stable.quantities.iter().find(|quantity| quantity.unit == "Hz").unwrap();
     close(eigenfrequency.value, (G / 0.5).sqrt() / TAU, 1.0);
-    assert!(told.iter().any(|fact| fact.text.starts_with("unstable")));
-    // The parameters of an object seek anew.
+    assert!(equilibria.iter().any(|fact| fact.text.starts_with("unstable")));
+    // With `equilibrium` in an object, a change of its parameters starts a new search.
     let mut run = Run::new(pendulum());
     run.set("arm.start_angle", -1.2 + TAU);
     run.initialize();
     close(run.get("arm.angle"), -FRAC_PI_2 + TAU, 1.0);
 }
 
-/// A crank r with the moment of inertia J, a rod l without mass and a slider of mass m with a spring of stiffness c and
-/// a damper d between slider and ground, slack at this angle of the crank. About it (J + m x'^2) theta'' = -c x'^2
-/// theta - d x'^2 theta', with x' = dx / dtheta of the slider.
+/// A crank r with the moment of inertia J, a rod l without mass, and a slider of mass m. A spring of stiffness c,
+/// without force at this crank angle, and a damper d act between slider and ground. About this angle: (J + m x'^2)
+/// theta'' = -c x'^2 theta - d x'^2 theta', with x' = dx / dtheta of the slider.
 const J: f64 = 0.002;
 
 fn slider_crank(angle: f64, damping: f64) -> Value {
@@ -202,7 +202,7 @@ fn slider_crank(angle: f64, damping: f64) -> Value {
 }
 
 #[test]
-fn a_slider_crank_with_a_spring_swings_as_by_hand() {
+fn a_slider_crank_with_a_spring_has_the_eigenfrequency_of_the_closed_form() {
     for (angle, damping) in [(0.9, 0.0), (1.7, 4.0), (2.4, 1.0)] {
         let definition = slider_crank(angle, damping);
         let mut run = Run::new(&definition).started();
@@ -220,12 +220,12 @@ fn a_slider_crank_with_a_spring_swings_as_by_hand() {
         close(at.a[1][1], -2.0 * zeta * omega, 1e3);
         close(at.b[0][1], 1.0 / inertia, 1e3);
         close(at.c[0][0], slope, 1.0);
-        // The torque that holds it elsewhere: k (x - x0) dx / dtheta.
+        // Torque that holds the crank at another angle: k (x - x0) dx / dtheta.
         close(at.c[1][0], 200.0 * slope * slope, 10.0);
     }
 }
 
-/// A drive that holds the mechanism makes each position one of rest, and A then has the eigenvalues of the table.
+/// If a drive holds the mechanism, each position is an equilibrium. A then has the eigenvalues of the table.
 #[test]
 fn held_positions_are_at_rest_and_their_matrix_has_the_eigenvalues() {
     let mut model = Component::from_definition("mechanism.json", &slider_crank(1.1, 0.7).to_string()).unwrap();
@@ -251,7 +251,7 @@ fn held_positions_are_at_rest_and_their_matrix_has_the_eigenvalues() {
     }
 }
 
-/// Logarithmic decrement and period of a swing that is so small that it is linear.
+/// Logarithmic decrement and period of an oscillation with an amplitude small enough for linear behaviour.
 #[test]
 fn a_simulated_ring_down_has_the_eigenfrequency_and_the_damping_ratio() {
     let mut definition = slider_crank(1.3, 1.2);
@@ -274,7 +274,7 @@ fn a_simulated_ring_down_has_the_eigenfrequency_and_the_damping_ratio() {
             crossings.push(time - h * angle / (angle - before));
         }
         if speed_before > 0.0 && speed <= 0.0 {
-            // The extremum of a parabola through both speeds.
+            // Extremum of the parabola with the slopes at both points.
             peaks.push(angle - 0.5 * speed * h * speed / (speed - speed_before));
         }
         (before, speed_before) = (angle, speed);
@@ -283,13 +283,13 @@ fn a_simulated_ring_down_has_the_eigenfrequency_and_the_damping_ratio() {
     let damped = periods as f64 / (crossings[periods] - crossings[0]);
     let decrement = (peaks[0] / peaks[8]).ln() / 8.0;
     let measured = decrement / (decrement * decrement + 4.0 * PI * PI).sqrt();
-    // The swing has 1e-5 rad; what is not linear in it is some 1e-5 of it.
+    // The amplitude is 1e-5 rad. The relative nonlinear effect is some 1e-5.
     assert!((measured / zeta - 1.0).abs() < 1e-4, "damping ratio {measured} instead of {zeta}");
     let expected = frequency * (1.0 - zeta * zeta).sqrt();
     assert!((damped / expected - 1.0).abs() < 1e-5, "{damped} Hz instead of {expected} Hz");
 }
 
-/// Matrices beside finite differences of the model's own outputs, away from rest by the loads.
+/// Matrices against finite differences of the outputs, in a state without equilibrium.
 #[test]
 fn matrices_are_slopes_of_the_outputs() {
     let mut definition = slider_crank(1.3, 1.2);
@@ -323,7 +323,8 @@ fn matrices_are_slopes_of_the_outputs() {
     assert!(at.acceleration.abs() > 1.0);
 }
 
-/// Nobody pays for what is not read, and what is no oscillation is told.
+/// An unstable position has no eigenfrequency, and the output states the reason. Without the key `linearisation` there
+/// is no such output.
 #[test]
 fn an_unstable_position_has_no_eigenfrequency() {
     let mut definition = pendulum();

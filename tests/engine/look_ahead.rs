@@ -1,5 +1,5 @@
-//! Under unchanged inputs an internal step may run past the communication point: values read from its interpolant are
-//! as exact as values stepped to, and a changed input takes effect at once.
+//! Under unchanged inputs an internal step may extend beyond the communication point. Values read from its interpolant
+//! are as exact as values of steps that end there. A changed input acts at once.
 
 use super::one_element::slider::{MASS, Slider};
 use crate::support::{Run, SLIDER_CRANK, changed};
@@ -18,8 +18,8 @@ fn gear_with(friction: bool, values: &[(&str, f64)]) -> Run {
     Run::gear().with(&[("friction.enabled", friction)]).with(values).started()
 }
 
-/// Work of `steps` steps over the span; the largest difference of the angle from runs at a tolerance of 1e-13 that make
-/// one step to an instant [rad], and the largest drift of energy [J].
+/// Work of `steps` steps over the span, largest error of the angle [rad], and largest energy drift [J]. The reference
+/// for the angle is one step to each time at a tolerance of 1e-13.
 fn work_and_errors(friction: bool, tolerance: f64, steps: u32) -> (Statistics, f64, f64) {
     let mut run = gear_with(friction, &[("solver.tolerance", tolerance)]);
     let h = SPAN / f64::from(steps);
@@ -36,20 +36,21 @@ fn work_and_errors(friction: bool, tolerance: f64, steps: u32) -> (Statistics, f
     (run.statistics(), error, drift)
 }
 
-/// With friction, and without losses, where the Nystroem pair looks ahead: four evaluations for each interpolant.
+/// With friction, and without losses. Without losses the Nystroem pair steps ahead and needs four evaluations per
+/// interpolant.
 #[test]
 fn many_short_steps_cost_what_one_long_one_costs() {
     for (friction, interpolant, drifts) in [(true, 3, 4e4), (false, 4, 1e5)] {
         for (tolerance, steps) in [(1e-6, 130), (1e-6, 1300), (1e-9, 130), (1e-9, 13_000), (1e-12, 1300)] {
             let (long, ..) = work_and_errors(friction, tolerance, 1);
             let (work, error, drift) = work_and_errors(friction, tolerance, steps);
-            // Interpolants of all steps, not only of those with an event, and the first short steps. Near rounding some
-            // steps are made again.
+            // Additional work: interpolants of all steps instead of only those with an event, and the first short
+            // steps. Near the rounding limit some steps are repeated.
             let again = if tolerance < 1e-11 { long.evaluations } else { 0 };
             let most = long.evaluations + interpolant * work.accepted + 60 + again;
             assert!(work.evaluations <= most, "{work:?} {long:?}");
-            // Energies are some 10 kJ. Without losses: twice the error of the speed, which is up to 4 times the
-            // tolerance between steps.
+            // Energies are some 10 kJ. Without losses the energy error is twice the speed error, which is up to 4 times
+            // the tolerance.
             assert!(error < 2.0 * tolerance && drift < drifts * tolerance, "{error:e} rad, {drift:e} J");
         }
     }
@@ -66,7 +67,7 @@ fn inputs_that_change_every_time_cost_no_more_than_a_short_step() {
     assert!(work.evaluations <= 8 * 130, "{work:?}");
 }
 
-/// A force that changes now and then, in the midst of an internal step: against one step for each constant force.
+/// A force that changes within internal steps, against one step for each constant force.
 #[test]
 fn a_change_takes_effect_at_once() {
     let forces = [30_000.0, 20_000.0, 45_000.0, -5_000.0, 12_345.0];
@@ -84,7 +85,7 @@ fn a_change_takes_effect_at_once() {
 }
 
 #[test]
-fn a_stop_is_met_when_its_time_has_come_and_never_passed() {
+fn a_stop_is_reached_at_its_time_and_never_passed() {
     let mut run = gear(&[("upstop.restitution", 0.5)]);
     let mut before = (0.0, false);
     let mut bounces = 0;
@@ -105,7 +106,7 @@ fn a_lock_engaged_in_between_catches() {
         let mut run = gear(&[("upstop.restitution", 0.5)]);
         for n in 0..2000 {
             if late && n == 1335 {
-                // The step that is being read ends with an impact on the stop.
+                // The present step ahead ends with an impact on the stop.
                 run.set("uplock.engage", true);
             }
             run.step(1e-4);
@@ -119,8 +120,8 @@ fn a_lock_engaged_in_between_catches() {
     assert!(free > 0.0 && caught == 0.0 && drift.abs() < 1e-5, "{free} {caught} {drift:e}");
 }
 
-/// Friction that locks further on is an error when the mechanism comes there, not when a step ahead of the present
-/// does.
+/// If friction locks the mechanism further on, the error occurs in the communication step that reaches this position,
+/// and not when a step ahead reaches it.
 #[test]
 fn friction_that_locks_further_on_stops_no_step_before() {
     let radii = ["joint1", "joint2", "joint3", "joint4"].map(|joint| format!("{joint}.pin_radius"));
@@ -135,7 +136,7 @@ fn friction_that_locks_further_on_stops_no_step_before() {
         assert!(error.contains("friction locks the mechanism"), "{error}");
         passed
     };
-    // In the middle of 0.1349 s and 0.135 s, however far steps go on.
+    // Friction locks between 0.1349 s and 0.135 s, for any size of the steps ahead.
     assert_eq!((passed(1e-3), passed(1e-4), passed(1e-5) / 10), (134, 1349, 1349));
 }
 
@@ -158,12 +159,12 @@ fn whole_turns_are_counted_through() {
     let (exact, one, many) = (turned(1, 1e-13), turned(1, 1e-9), turned(5000, 1e-9));
     let [error_of_one, error_of_many] = [one, many].map(|run| (run.0 - exact.0).abs());
     assert!(exact.0 > 60.0 && error_of_many < 1e-6_f64.max(3.0 * error_of_one), "{error_of_one:e} {error_of_many:e}");
-    // Of some 300 J.
+    // The kinetic energy is some 300 J.
     assert!(many.1.abs() < 1e-6, "{many:?}");
 }
 
-/// x'' = -2 zeta omega x' - omega^2 x: with more damping one part of the motion fades much faster than the other, and
-/// explicit steps are as long as their stability allows.
+/// x'' = -2 zeta omega x' - omega^2 x. With strong damping one part of the motion decays much faster than the other,
+/// and stability limits explicit steps.
 #[test]
 fn a_motion_that_fades_fast_is_read_as_exactly() {
     let omega: f64 = 12.0;
@@ -184,7 +185,7 @@ fn a_motion_that_fades_fast_is_read_as_exactly() {
                     }
                 }
             }
-            // The size of the speed, by which its tolerance goes, is that which the forces give: up to some 30 m/s.
+            // The tolerance of the speed is relative to the speed that the forces can give: up to some 30 m/s.
             let near = errors[0] < 2.0 * tolerance && errors[1] < 200.0 * tolerance;
             assert!(near, "zeta {zeta}, {tolerance:e}: {errors:?}");
         }

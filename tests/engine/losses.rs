@@ -1,18 +1,19 @@
-//! Couplings with an efficiency against closed forms: power in both directions, holding, trains, reversals of the flow.
+//! Couplings with an efficiency, against closed forms: power in both directions, holding, trains, reversal of the
+//! power.
 
 use crate::support::numeric::runge_kutta;
 use crate::support::{Run, assert_near, assert_says, refusal};
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
-/// A shaft, gears to a second one, a belt to a third one, a rack to a table, all with losses.
+/// A shaft with gears to a second shaft, a belt to a third shaft and a rack to a table, all with losses.
 pub const TRAIN: &str = include_str!("../fixtures/train_with_losses.json");
 const ETA: f64 = 0.8;
 const I: f64 = -17.0 / 43.0;
 const J1: f64 = 0.02;
 const J2: f64 = 0.5;
 
-/// Two shafts 0.3 m apart with gears of the efficiency 0.8, under these torques.
+/// Two shafts 0.3 m apart with gears of efficiency 0.8, under these torques.
 pub fn shafts(motor: f64, load: f64) -> Value {
     json!({ "name": "Losses",
         "bodies": { "ground": { "points": { "far": [0.3, 0] } }, "one": { "mass": 2, "inertia": J1 }, "two": {
@@ -25,12 +26,12 @@ pub fn shafts(motor: f64, load: f64) -> Value {
         "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 } })
 }
 
-/// Acceleration of the first shaft where power flows to the second, and where it flows back.
+/// Acceleration of the first shaft if power flows to the second shaft, and if power flows back.
 fn forward_and_back(motor: f64, load: f64) -> [f64; 2] {
     [ETA, 1.0 / ETA].map(|eta| (motor + I * load / eta) / (J1 + I * I * J2 / eta))
 }
 
-/// Acceleration in a direction of motion: power flows to the second shaft if the torque X2 on that shaft drives it.
+/// Acceleration for a direction of motion: power flows to the second shaft if the torque X2 on this shaft drives it.
 fn accelerates(motor: f64, load: f64, direction: f64) -> f64 {
     let [forward, back] = forward_and_back(motor, load);
     let drives = |a: f64| (J2 * I * a - load) * I * direction;
@@ -42,7 +43,7 @@ fn accelerates(motor: f64, load: f64, direction: f64) -> f64 {
 }
 
 #[test]
-fn two_shafts_accelerate_by_the_power_that_arrives() {
+fn two_shafts_accelerate_by_the_power_less_losses() {
     for (motor, load, speed) in
         [(3.0, -1.0, 0.0), (0.1, -5.0, 0.0), (3.0, -1.0, -80.0), (-2.0, 4.0, 300.0), (0.0, 1.0, 60.0), (-3.0, 0.0, 0.0)]
     {
@@ -53,7 +54,7 @@ fn two_shafts_accelerate_by_the_power_that_arrives() {
         let a = accelerates(motor, load, direction);
         let size = 10.0 * (1.0 + a.abs());
         assert_near(run.get("one.acceleration"), a, 1e-13 * size, "acceleration");
-        // The force on the teeth is that on the first shaft; the second has it with the loss.
+        // The transmitted force acts on the first shaft. The force on the second shaft includes the loss.
         let arm = 0.3 * 43.0 / 60.0;
         let transmitted = (motor - J1 * a) / (I * arm);
         assert_near(run.get("mesh.transmitted_force"), transmitted, 1e-12 * size, "transmitted force");
@@ -71,7 +72,7 @@ fn two_shafts_accelerate_by_the_power_that_arrives() {
         }
         assert_near(run.get("one.speed"), speed + a * t, 1e-9 * size, "speed");
         assert!(power < 0.0, "the loss takes power: {power}");
-        // In either direction the loss is a fifth of the power that goes in.
+        // In both directions the loss is a fifth of the input power.
         let [first, second] = [-(J1 * a - motor) * run.get("one.speed"), (J2 * I * a - load) * run.get("two.speed")];
         let [goes_in, comes_out] = if first > 0.0 { [first, second] } else { [-second, -first] };
         assert_near(comes_out, ETA * goes_in, 1e-9 * goes_in.abs(), "efficiency");
@@ -80,8 +81,8 @@ fn two_shafts_accelerate_by_the_power_that_arrives() {
 }
 
 #[test]
-fn gears_hold_what_neither_side_overcomes() {
-    // Forward from M eta > -i L on, backward from M < -i L eta on.
+fn self_locking_gears_hold_a_load_that_neither_side_overcomes() {
+    // The shafts start forward above M eta = -i L, and backward below M = -i L eta.
     for (part, moves) in [(0.75, 1.0), (0.82, 0.0), (1.0, 0.0), (1.2, 0.0), (1.3, -1.0)] {
         let load = -3.0 * part / I;
         let mut run = Run::new(shafts(3.0, load)).started();
@@ -103,7 +104,7 @@ fn gears_hold_what_neither_side_overcomes() {
 
 #[test]
 fn the_flow_turns_round_in_a_swing() {
-    // A spring on the second shaft: its energy goes into the first shaft and comes back, each way with a loss.
+    // A spring on the second shaft stores energy that flows into the first shaft and back, each time with a loss.
     let mut text = shafts(0.0, 0.0);
     text["springs"] = json!({ "coil": { "joint": "b", "stiffness": 40, "free_angle": 1.1 } });
     text["start"]["speed"] = json!(20);
@@ -122,7 +123,7 @@ fn the_flow_turns_round_in_a_swing() {
                 y = end;
                 continue;
             }
-            // A step that ends at the reversal, and the rest of it.
+            // One step up to the reversal of the power, and the rest of the step.
             let (mut low, mut high) = (0.0, h);
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
@@ -133,7 +134,7 @@ fn the_flow_turns_round_in_a_swing() {
             (direction, reversals) = (-direction, reversals + 1);
             y = rk4(y, direction, h - low);
         }
-        // The reference passes over changes of the flow, where the acceleration has a kink, by steps of 5e-5 s.
+        // The reference uses steps of 5e-5 s, also across reversals of the power, where the acceleration has a kink.
         assert_near(run.get("one.angle"), y[0], 1e-8, &format!("angle at step {k}"));
         assert_near(run.get("one.speed"), y[1], 1e-6, &format!("speed at step {k}"));
         let drift = run.get("energy.drift");
@@ -147,7 +148,7 @@ fn a_train_has_the_product_of_its_efficiencies() {
     let text: Value = serde_json::from_str(TRAIN).unwrap();
     for direction in [1.0, -1.0] {
         let mut text = text.clone();
-        // Driven by the motor, and by the load.
+        // The motor drives the table, and a force on the table drives the motor.
         text["torques"]["motor"]["torque"] = json!(if direction > 0.0 { 3.0 } else { 0.01 });
         text["start"]["speed"] = json!(0);
         text["forces"]["push"]["force"][0] = json!(if direction > 0.0 { 10.0 } else { 200.0 });
@@ -158,7 +159,7 @@ fn a_train_has_the_product_of_its_efficiencies() {
         let inertia = J1 + I * I * J2 / e1 + i2 * i2 * 0.7 / (e1 * e2) + i3 * i3 * 40.0 / (e1 * e2 * e3);
         let a = (motor + i3 * push / (e1 * e2 * e3)) / inertia;
         assert_near(run.get("one.acceleration"), a, 1e-12 * (1.0 + a.abs()), "acceleration");
-        // On the table: mass times acceleration is the push and the force of the rack with its loss.
+        // The table: mass x acceleration = push + rack force with its loss.
         let on_table = run.get("rack.transmitted_force") + run.get("rack.loss_force") + push;
         assert_near(on_table, 40.0 * i3 * a, 1e-11 * (1.0 + on_table.abs()), "table");
         for _ in 0..10 {
@@ -170,7 +171,7 @@ fn a_train_has_the_product_of_its_efficiencies() {
 }
 
 #[test]
-fn an_efficiency_is_a_parameter_and_refused_where_it_is_none() {
+fn an_efficiency_is_a_parameter_and_rejected_out_of_range() {
     let mut run = Run::new(shafts(3.0, -1.0));
     run.set("mesh.efficiency", 1.0);
     let mut run = run.started();

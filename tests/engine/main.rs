@@ -1,4 +1,5 @@
-//! The engine without an FMI: one binary, one module a file. While working: `cargo test --test engine stops`.
+//! Tests of the engine without FMI: one test program with one module per file. Example: `cargo test --test engine
+//! stops`.
 #![allow(clippy::unwrap_used)]
 
 mod bad_input;

@@ -1,5 +1,5 @@
-//! Definitions without masses: kinematics against closed forms and against the same mechanism with masses; what is left
-//! out, what is refused, and that nothing of the nominal metric can be read.
+//! Definitions without masses: kinematics against closed forms and against the same mechanism with masses; missing
+//! variables, rejected definitions. No output depends on the nominal metric.
 use crate::support::definition::{self, With, block, weight};
 use crate::support::{
     CURVES, FOUR_BAR, GEAR, JIB, Run, TAILGATE, Vec2, assert_near, assert_says, changed, reals, refusal, turned, values,
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 const SPEED: f64 = -7.0;
 
-/// Take every mass and inertia away.
+/// Remove every mass and inertia.
 fn massless(mut definition: Value) -> Value {
     for (_, body) in definition["bodies"].as_object_mut().unwrap() {
         for key in ["mass", "inertia", "shape", "center"] {
@@ -42,13 +42,14 @@ fn rates([one, other]: [Vec2; 2], b: Vec2) -> [f64; 2] {
     [b.dot(&other) / cross(one, other), b.dot(&one) / cross(other, one)]
 }
 
-/// Angle, speed and acceleration of coupler and rocker, by two circles and the derivatives of the loop.
+/// Angle, speed and acceleration of coupler and rocker, from the intersection of two circles and the differentiated
+/// loop equation.
 fn two_circles([ground, crank, coupler, rocker]: [f64; 4], angle: f64, speed: f64) -> [[f64; 3]; 2] {
     let left = |v: Vec2| Vec2::new(-v.y, v.x);
     let a = turned(Vec2::new(crank, 0.0), angle);
     let to = Vec2::new(ground, 0.0) - a;
     let d = to.norm();
-    // The point C to the left of the line from the crank's pin to the rocker's pivot.
+    // The joint C is to the left of the line from the crank's pin to the rocker's pivot.
     let along = (d * d + coupler * coupler - rocker * rocker) / (2.0 * d);
     let c = to / d * along + left(to / d) * (coupler * coupler - along * along).sqrt();
     let e = a + c - Vec2::new(ground, 0.0);
@@ -74,7 +75,7 @@ fn a_four_bar_at_constant_speed_is_that_of_two_circles() {
             run.near(&format!("{name}.speed"), speed, 1e-10);
             run.near(&format!("{name}.acceleration"), acceleration, 1e-8);
         }
-        // A point of the coupler.
+        // A marker on the coupler.
         let arm = turned(Vec2::new(0.05, 0.03), coupler[0]);
         let crank = turned(Vec2::new(0.04, 0.0), angle);
         let [at, v] = [crank + arm, SPEED * turned(crank, TAU / 4.0) + coupler[1] * turned(arm, TAU / 4.0)];
@@ -83,12 +84,12 @@ fn a_four_bar_at_constant_speed_is_that_of_two_circles() {
             run.near(&format!("m.{suffix}x"), exact.x, allowed);
             run.near(&format!("m.{suffix}y"), exact.y, allowed);
         }
-        // More than a turn, in steps of any size.
+        // More than one turn, in steps of different sizes.
         run.step(if k % 2 == 0 { 0.001 } else { 0.019 });
     }
 }
 
-/// Without a power nothing bounds how far the motion is known ahead: a long run stays quick and exact.
+/// Without power and energy no quantity limits the length of a step ahead. A long run stays fast and exact.
 #[test]
 fn a_long_run_is_exact_in_steps_of_any_size() {
     for (steps, h) in [(20_000, 0.01), (1, 200.0)] {
@@ -119,7 +120,8 @@ fn a_slider_crank_at_constant_speed_is_that_of_the_closed_form() {
     }
 }
 
-/// Positions, speeds and accelerations do not depend on masses: the nominal metric is another parameter of the curve.
+/// Positions, speeds and accelerations do not depend on masses: the nominal metric only changes the parameter of the
+/// curve.
 #[test]
 fn the_same_mechanism_with_masses_moves_the_same() {
     let gear = serde_json::from_str::<Value>(GEAR).unwrap();
@@ -158,7 +160,7 @@ fn the_same_mechanism_with_masses_moves_the_same() {
 }
 
 #[test]
-fn what_needs_masses_is_no_variable_and_is_named() {
+fn variables_that_need_masses_do_not_exist_and_the_error_states_why() {
     let loaded = massless(four_bar()).with(json!({
         "gravity": weight(), "forces": { "push": { "at": "coupler.end" } }, "torques": { "turn": { "on": "rocker" } },
         "friction": { "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 }, "linearisation": true,
@@ -210,7 +212,7 @@ fn what_needs_masses_is_no_variable_and_is_named() {
     for key in idle {
         assert!(warnings.contains(&format!("{key}: has no effect, because no body has a mass")), "{key}\n{warnings}");
     }
-    // A mass of 0 is no mass.
+    // A mass of 0 counts as no mass.
     let zero = massless(four_bar()).with(json!({ "bodies": { "crank": { "mass": 0 }, "rocker": { "inertia": 0 } } }));
     assert_eq!(Run::new(zero).variables().list().len(), Run::new(massless(four_bar())).variables().list().len());
 }
@@ -230,14 +232,14 @@ fn without_a_motion_there_is_a_travel_and_no_run() {
     assert_says(run.warnings().join("\n"), &["bodies: no body has a mass and no drive has the key motion"]);
     let sweep = run.sweep(90).unwrap();
     assert!(sweep.is_closed);
-    // What the check says.
+    // The facts of `check`.
     let facts = inspect(&still.to_string());
     let text = |topic: &str| facts.facts.iter().filter(|f| f.topic.starts_with(topic)).count();
     assert_eq!([text("Reduced mass"), text("Equilibrium at"), text("Equilibria"), text("Drives")], [0, 0, 1, 1]);
     assert!(!facts.facts.iter().any(|fact| fact.quantities.iter().any(|q| q.unit.contains("kg"))));
 }
 
-/// Along the travel the rate of each output is its influence coefficient, whether or not a drive has a motion.
+/// Along the travel the rate of each output is its influence coefficient, with or without a prescribed motion.
 #[test]
 fn the_travel_has_the_influence_coefficients_of_the_closed_form() {
     for definition in [four_bar(), massless(four_bar())] {
@@ -297,9 +299,9 @@ fn motion_by_inputs_has_exact_derivatives_and_saved_states() {
     assert_eq!(after, run.bits(["rocker.angle", "rocker.speed", "rocker.acceleration"]));
 }
 
-/// The force of a spring follows from its length and speed, which need no mass.
+/// The force of a spring follows from its length and speed without masses.
 #[test]
-fn springs_keep_their_laws() {
+fn springs_without_masses_follow_their_laws() {
     let mut light = block(1.0).with(json!({
         "springs": { "s": { "joint": "slide", "stiffness": 100, "damping": 5, "free_length": 0.1 } },
         "actuators": { "ram": { "joint": "slide",
@@ -315,7 +317,7 @@ fn springs_keep_their_laws() {
     assert!(run.variables().find("energy.potential").is_none());
 }
 
-/// Gears, cams and drawings with elements of all kinds lose their masses, and can be viewed and checked.
+/// Gears, cams and drawings with elements of all kinds can be viewed and checked without masses.
 #[test]
 fn any_mechanism_without_masses_can_be_checked() {
     for text in [
@@ -340,7 +342,7 @@ fn any_mechanism_without_masses_can_be_checked() {
 }
 
 #[test]
-fn what_cannot_be_without_masses_asks_for_them() {
+fn elements_that_need_masses_are_rejected_without_them() {
     let base = massless(four_bar());
     for (more, says) in [
         (
@@ -363,13 +365,13 @@ fn what_cannot_be_without_masses_asks_for_them() {
     assert_says(refusal(unplaced), &["start", "an equilibrium needs masses"]);
     let hydraulic: Value = serde_json::from_str(crate::support::HYDRAULIC_GEAR).unwrap();
     assert_says(refusal(massless(hydraulic)), &["actuators.actuator.hydraulics", "a hydraulic circuit needs masses"]);
-    // Masses by an expression are masses, also where it gives 0.
+    // An expression counts as a mass, also if its value is 0.
     let named = changed(base, |d| {
         d["parameters"] = json!({ "m": 0 });
         d["bodies"]["crank"]["mass"] = json!("m");
     });
     assert_says(refusal(named), &["reduced inertia is zero"]);
-    // One body with a mass makes it a mechanism with masses.
+    // A single mass makes the definition one with masses.
     let mixed = massless(four_bar()).with(json!({ "bodies": { "crank": { "mass": 1, "center": [0.02, 0] } } }));
     Run::new(mixed).started().near("energy.kinetic", 0.5 * (0.02 * SPEED).powi(2), 1e-12);
 }

@@ -1,6 +1,6 @@
-//! Spoiled `mechanism.json` texts: each is a mechanism or a message, without a panic and in bounded time.
+//! Damaged `mechanism.json` texts: each text gives a mechanism or a message, without a panic and in bounded time.
 //!
-//! The same texts each time, unless LINKAGE_FMU_CASES sets the number of each kind:
+//! The texts are the same in each run, unless LINKAGE_FMU_CASES sets the number of texts of each kind:
 //! `LINKAGE_FMU_CASES=20000 cargo test --test engine mechanism_fuzz -- --nocapture`.
 
 use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, cases, reals, replaced as changed, runner};
@@ -14,20 +14,20 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
-/// Texts of each kind if nothing else is asked for.
+/// Texts of each kind by default.
 const CASES: u32 = 150;
-/// Longest time for one text, on a busy machine.
+/// Time limit for one text, for a busy machine.
 const PATIENCE: Duration = Duration::from_secs(20);
 
 const MECHANISMS: [&str; 5] = [GEAR, SLIDER_CRANK, FOUR_BAR, JIB, CRANE];
 
-/// What a spoiled number may look like.
+/// Replacements of a number.
 const NUMBERS: &str = "0 -0 -1 1 1e-6 1e-3 1e3 -1e3 1e6 1e999 NaN Infinity -Infinity 0x1 true \"1\" null";
-/// Numbers that are none for a mechanism, but fit in 64 bits.
+/// Numbers that fit in 64 bits but are absurd in a mechanism.
 const ABSURD: [&str; 10] =
     ["1e17", "-1e17", "1e150", "-1e155", "1e200", "1e308", "-1e308", "1e-160", "1e-308", "5e-324"];
 
-/// A worker that reads texts: the outcome, or the text of a panic.
+/// A thread that reads texts and returns the outcome, or the message of a panic.
 struct Worker {
     texts: Sender<String>,
     outcomes: Receiver<Result<bool, String>>,
@@ -50,7 +50,7 @@ impl Worker {
     }
 }
 
-/// Read a text, and put the mechanism at its start if it is one. Whether it is.
+/// Read a text and, if it is a mechanism, initialise it. Returns whether it is a mechanism.
 fn read(text: &str) -> bool {
     let mut model = match Model::from_json(text) {
         Ok(model) => model,
@@ -83,7 +83,7 @@ fn run(kind: &str, texts: impl Strategy<Value = String>) {
     let result = runner.run(&texts, |text| {
         let start = Instant::now();
         worker.texts.send(text.clone()).unwrap();
-        // Past this the worker never answers again: the text is printed as it is, not shrunk.
+        // After a timeout the worker never answers. The text is printed without shrinking.
         let outcome = worker.outcomes.recv_timeout(PATIENCE).unwrap_or_else(|_| {
             eprintln!("{kind}: no answer within {PATIENCE:?} to\n{text}");
             std::process::exit(101);
@@ -108,7 +108,7 @@ fn mechanism() -> impl Strategy<Value = &'static str> {
     select(&MECHANISMS[..])
 }
 
-/// First and last byte of every number in a text, none inside strings.
+/// Ranges of bytes of all numbers outside of strings in a text.
 fn numbers(text: &str) -> Vec<(usize, usize)> {
     let (mut found, mut quoted, mut start) = (Vec::new(), false, None);
     for (at, c) in text.char_indices() {
@@ -144,7 +144,7 @@ fn bytes_are_changed() {
     run("bytes", text);
 }
 
-/// Texts with some numbers replaced: `write` gives the text in place of a number.
+/// Texts with some numbers replaced. `write` returns the replacement of a number.
 fn edited<T: std::fmt::Debug>(
     edit: impl Strategy<Value = T>,
     write: impl Fn(&str, T) -> String,
@@ -189,7 +189,7 @@ fn a_length_that_overflows_when_squared_and_lengths_of_very_different_size() {
     run("graded", Just(changed(SLIDER_CRANK, &lengths)));
 }
 
-/// The members of all objects, by their JSON pointers.
+/// JSON pointers of the members of all objects.
 fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
     if let Value::Object(members) = value {
         for (key, member) in members {
@@ -200,12 +200,12 @@ fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
     }
 }
 
-/// Text with the member at `pointer` removed, or written twice.
+/// The text with the member at `pointer` removed or duplicated.
 fn with_member(mut value: Value, pointer: &str, copies: usize) -> String {
     let (object, key) = pointer.rsplit_once('/').unwrap();
     let object = value.pointer_mut(object).unwrap().as_object_mut().unwrap();
     let member = object.remove(key).unwrap();
-    // An object holds a key once: the copies get names of their own, which are replaced in the text.
+    // An object holds each key once. The copies get temporary names, which are then replaced in the text.
     let names = ["first copy", "second copy"];
     names[..copies].iter().for_each(|name| drop(object.insert((*name).to_owned(), member.clone())));
     names.iter().fold(value.to_string(), |text, name| text.replace(name, key))
@@ -239,7 +239,7 @@ fn members_are_exchanged() {
     run("exchanges", text);
 }
 
-/// Names of bodies and points, one in place of another: joints between wrong bodies, circles, loose parts.
+/// Exchanged names of bodies and points: joints between wrong bodies, circles, loose parts.
 #[test]
 fn names_are_exchanged() {
     let text =

@@ -1,4 +1,4 @@
-//! Lengths that almost let branches of motion cross: snapped below `snap`, warned of above.
+//! Lengths that almost let branches cross: corrected if the miss is below `snap`, reported as a warning if it is above.
 
 use crate::support::definition::{self, With, pin, rod, slider_crank};
 use crate::support::{Run, assert_says, refusal};
@@ -7,8 +7,8 @@ use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler, rocker; speed of the crank; guess, which is the
-/// start too.
+/// A four-bar of rods of 1 kg/m: lengths of ground, crank, coupler and rocker; speed of the crank; guess, which is also
+/// the start.
 fn four_bar(lengths: [f64; 4], speed: f64, guess: [f64; 3], further: Value) -> String {
     let moving = json!({ "start": { "speed": speed }, "solver": { "tolerance": 1e-12 } });
     definition::four_bar(lengths, guess).with(moving).with(further).to_string()
@@ -22,8 +22,8 @@ fn texts(inspection: &Inspection, topic: &str) -> Vec<String> {
     inspection.facts.iter().filter(|fact| fact.topic == topic).map(|fact| fact.text.clone()).collect()
 }
 
-/// The crank turns round and round, and the rocker with it.
-fn goes_straight_on(text: &str, close: f64) {
+/// The crank rotates over many turns, and the rocker with it.
+fn assert_rotates(text: &str, close: f64) {
     let mut run = Run::new(text).started();
     let speed = run.get("crank.speed");
     for _ in 0..500 {
@@ -41,7 +41,7 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
         for sign in [1.0, -1.0] {
             let change = sign * 10f64.powi(-power);
             let text = parallelogram(change, json!({}));
-            goes_straight_on(&text, 1e-12 + change.abs());
+            assert_rotates(&text, 1e-12 + change.abs());
             let run = Run::new(&text);
             let remarks = run.0.model().remarks();
             assert_eq!(remarks.len(), 3, "two flat positions, and the moves: {remarks:?}");
@@ -63,17 +63,17 @@ fn a_parallelogram_with_one_crank_longer_by_less_than_snap_goes_straight_on() {
 }
 
 #[test]
-fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
+fn larger_misses_give_a_warning_with_the_required_snap() {
     for change in [3e-6, -3e-6, 1e-4, 1e-3] {
         let text = parallelogram(change, json!({}));
         let run = Run::new(&text);
-        let told = run.warnings();
-        assert_eq!(told.len(), 2, "{change}: {told:?}");
+        let warnings = run.warnings();
+        assert_eq!(warnings.len(), 2, "{change}: {warnings:?}");
         let inspection = inspect(&text);
         assert_eq!(inspection.findings.len(), 2);
         assert_eq!(texts(&inspection, "Near misses").len(), 2);
         let mut cure = 0.0_f64;
-        for (line, finding) in told.iter().zip(&inspection.findings) {
+        for (line, finding) in warnings.iter().zip(&inspection.findings) {
             assert_says(
                 line,
                 &["almost cross at ", "the lengths miss a crossing by", "turns sharply at this position"],
@@ -81,14 +81,14 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
             let snap = finding.remedy.split("\"snap\": ").nth(1).unwrap().split(' ').next().unwrap();
             cure = cure.max(snap.parse().unwrap());
         }
-        // At the flat position the loop of size 2 lacks the change of the crank.
+        // In the flat position the gap is the change of the crank's length, relative to the size 2 of the loop.
         let miss = 0.5 * change.abs();
         assert!(cure >= miss && cure < 2.1 * miss, "{change}: {cure}");
         let reduced = std::sync::Arc::clone(run.clone().reduced().unwrap());
         let near = &reduced.curve().near;
         near.misses.iter().for_each(|m| assert!((m.miss / miss - 1.0).abs() < 2.0 * change.abs() + 1e-6, "{m:?}"));
-        goes_straight_on(&parallelogram(change, json!({ "snap": cure })), 1e-12 + change.abs());
-        // Without a cure it folds to an antiparallelogram.
+        assert_rotates(&parallelogram(change, json!({ "snap": cure })), 1e-12 + change.abs());
+        // Without a larger `snap` the linkage changes to the antiparallelogram.
         let mut run = run.started();
         let mut apart = 0.0_f64;
         for _ in 0..200 {
@@ -100,19 +100,19 @@ fn larger_misses_are_warned_of_with_the_snap_that_cures_them() {
 }
 
 #[test]
-fn without_snap_misses_are_refused_with_their_size() {
+fn without_snap_misses_are_rejected_with_their_size() {
     for change in [1e-8, 1e-10] {
         let error = refusal(parallelogram(change, json!({ "snap": 0 })));
         assert_says(error, &["almost cross", "miss a crossing by 5.0e-", "write \"snap\": "]);
     }
-    for (value, told) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
+    for (value, shown) in [("-1e-6", "-"), ("0.5", "0.5"), ("1e3", "1000")] {
         let text = parallelogram(0.0, json!({ "snap": value.parse::<f64>().unwrap() }));
-        assert_says(refusal(text), &["snap", told, "from 0 to 0.01"]);
+        assert_says(refusal(text), &["snap", shown, "from 0 to 0.01"]);
     }
 }
 
 #[test]
-fn a_miss_out_of_travel_is_not_told() {
+fn a_miss_outside_the_travel_gives_no_warning() {
     let stops = |rigid: bool| {
         let stop = |limit: &str, angle: f64| match rigid {
             true => json!({ "body": "crank", "limit": limit, "angle": angle }),
@@ -128,7 +128,8 @@ fn a_miss_out_of_travel_is_not_told() {
     assert_eq!(inspection.findings.len(), 2);
 }
 
-/// Other linkages with a length changed by less than snap: each goes on as the exact one does, to within the change.
+/// Other linkages with a length changed by less than `snap`: the motion differs from that of the exact linkage by less
+/// than the change.
 #[test]
 fn other_linkages_follow_their_exact_shapes() {
     let coupled = |lengths: [f64; 5]| {
@@ -160,7 +161,7 @@ fn other_linkages_follow_their_exact_shapes() {
     };
     let kite = |lengths: [f64; 4]| {
         let [ground, crank, coupler, rocker] = lengths;
-        // Diagonal from the crank's end to the rocker's pivot at the crank's angle 0.8 rad.
+        // Diagonal from the end of the crank to the pivot of the rocker at the crank angle 0.8 rad.
         let q = 0.8_f64;
         let (x, y) = (ground - crank * q.cos(), -crank * q.sin());
         let d = x.hypot(y);

@@ -1,6 +1,5 @@
-//! Motions and reactions against Newton and Euler's equations of each body: from the definition, positions,
-//! accelerations, joint forces and the sizes of the loads alone. With friction its torques, with air the drag, act on
-//! the bodies too.
+//! Motions and reactions against the Newton-Euler equations of each body, from the definition, positions,
+//! accelerations, joint forces and the sizes of the loads. Friction torques and drag act on the bodies too.
 use crate::support::oracle::Motion;
 use crate::support::oracle::linkage::{Coordinate, Freedom, Linkage};
 use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK, Vec2, changed, turned, without_stops};
@@ -82,7 +81,7 @@ proptest! {
     }
 }
 
-/// Under their own loads, from the start on.
+/// Each mechanism under its own loads, from the start on.
 #[test]
 fn every_body_of_other_mechanisms_is_in_balance() {
     for (name, text) in

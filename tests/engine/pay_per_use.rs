@@ -1,4 +1,5 @@
-//! A run pays for what is in it: which tables are built, and how often each quantity is computed.
+//! A run needs work only for the quantities that it uses: which tables are built, and how often each quantity is
+//! computed.
 
 use crate::support::{GEAR, Run};
 use linkage_fmu::integrator::Method;
@@ -7,12 +8,12 @@ use linkage_fmu::mechanism::{Computed, Statistics};
 
 const FRICTION: [(&str, bool); 1] = [("friction.enabled", true)];
 
-/// The gear at its start; read anew, as instances share their tables.
+/// The gear at its start. The definition is read again, because instances share their tables.
 fn gear(flags: &[(&str, bool)], values: &[(&str, f64)]) -> Run {
     Run::new(GEAR).with(flags).with(values).started()
 }
 
-/// Tables built and quantities computed in a retraction of ten steps with these outputs read after each.
+/// Tables built and quantities computed in a retraction of ten steps, with these outputs read after each step.
 fn cost(flags: &[(&str, bool)], values: &[(&str, f64)], reads: &[&str]) -> (Built, Computed, Statistics) {
     let mut gear = gear(flags, values);
     for _ in 0..10 {
@@ -25,7 +26,7 @@ fn cost(flags: &[(&str, bool)], values: &[(&str, f64)], reads: &[&str]) -> (Buil
     (built, gear.computed(), gear.statistics())
 }
 
-/// Displacements of the six loads with energy, and of the two stops: the start needs them.
+/// Displacements of the six loads with energy, and of the two stops: the start needs these tables.
 const NOTHING: Built = Built {
     displacements: 8,
     markers: false,
@@ -45,7 +46,7 @@ fn a_bare_gear_builds_and_computes_nothing_but_its_motion() {
         work.accepted_by(Method::Rkn86) + work.accepted_by(Method::Rk4),
         "no step by a method that is dearer"
     );
-    // Eight a step, the start's two, and four for each trial of a short step.
+    // Eight evaluations per step, two at the start, and four per trial of a short step.
     assert!(work.evaluations <= 8 * (work.accepted + work.rejected) + 2 + 40, "{work:?}");
 }
 
@@ -93,20 +94,20 @@ fn friction_drag_and_bumpers_cost_their_loads_alone() {
     assert!(work.jacobians <= 1 && work.accepted_by(Method::Rkn86) == 0);
     let (built, computed, _) = cost(&[("upstop.rigid", false)], &[], &[]);
     assert_eq!((built, computed), (Built { state_loads: [true, false], ..NOTHING }, Computed::default()));
-    // Drag that does not blow, and friction and locks that are there but off, cost nothing: the default gear has them.
+    // The default gear contains friction, locks and drag, but switched off: they need no work.
 }
 
-/// Eight times on its way a pin of the gear changes the regime of its law. The step is ended there on the interpolant:
-/// three evaluations for it, one to go on from there.
+/// During the retraction a pin of the gear changes the regime of its law eight times. The step ends there on its
+/// interpolant: three evaluations for the interpolant, and one to continue.
 #[test]
 fn a_change_of_regime_costs_no_second_step() {
     let mut model = gear(&FRICTION, &[]);
     model.step(0.13);
     let work = model.statistics();
     assert_eq!(work.accepted_by(Method::Dop853), work.accepted, "steps of DOP853 alone");
-    // The start, and interpolants over steps that come near to a border.
-    let besides = 12;
-    assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + besides, "{work:?}");
+    // The start, and interpolants of steps that come near a border.
+    let constant = 12;
+    assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + constant, "{work:?}");
 }
 
 #[test]

@@ -1,15 +1,15 @@
-//! Locks of a mechanism that the pressures of its hydraulic network release and engage, at instants within steps.
+//! Locks of a mechanism that the pressures of its hydraulic network release and engage within steps.
 
 use crate::support::{Run, changed, read_all};
 use linkage_fmu::mechanism::{Pauses, Reached};
 use serde_json::json;
 
 const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
-/// The pressure at which the lock releases [Pa].
+/// Pressure at which the lock releases [Pa].
 const RELEASE: f64 = 14e6;
 
-/// An arm that rests at its low stop in a lock. It rises when the oil has released the lock, turns round under the
-/// opposite command, and comes down to the stop.
+/// An arm that a lock holds at its lower stop. It rises when the oil releases the lock, reverses under the opposite
+/// command, and returns to the stop.
 fn definition(hysteresis: f64, tolerance: f64) -> String {
     changed(ARM, |arm| {
         arm["stops"] = json!({ "low": { "body": "arm", "limit": "lower", "angle": 0.1 } });
@@ -26,13 +26,13 @@ fn arm(hysteresis: f64, tolerance: f64) -> Run {
     Run::new(definition(hysteresis, tolerance)).started()
 }
 
-/// The command of the valve from a time on, as the host states it.
+/// The command of the valve from a time on, as a host sets it.
 fn command(arm: &mut Run, time: f64) {
     arm.set("lift_valve.command", 1.0 - time);
     arm.set_derivative("lift_valve.command", 1, -1.0);
 }
 
-/// Equal steps from a time to a later one; the events in them, as reported.
+/// Equal steps between two times. Returns the reported events.
 fn run(arm: &mut Run, [from, to]: [f64; 2], count: u32) -> Vec<String> {
     let h = (to - from) / f64::from(count);
     let mut lines = Vec::new();
@@ -46,7 +46,8 @@ fn run(arm: &mut Run, [from, to]: [f64; 2], count: u32) -> Vec<String> {
     lines
 }
 
-/// Steps of at most `h` that end at each event, which is then handled: the times at which the lock changes.
+/// Steps of at most `h` that end at each event, which the host then handles. Returns the times at which the lock
+/// changes.
 fn run_to_events(arm: &mut Run, [from, to]: [f64; 2], h: f64) -> Vec<f64> {
     let (mut time, mut changes) = (from, Vec::new());
     while time < to - 1e-12 {
@@ -62,7 +63,7 @@ fn run_to_events(arm: &mut Run, [from, to]: [f64; 2], h: f64) -> Vec<f64> {
                 assert!(!jumps);
             }
             if was && !arm.is("latch.engaged") {
-                // The lock holds up to the event, and no longer after it.
+                // The lock holds up to the event and is released after it.
                 assert_eq!(arm.get("lift.chamber_a.pressure"), RELEASE);
                 assert!(forces[0] > 1e3 && forces[1] == 0.0, "{forces:?}");
                 assert!(arm.get("latch.force") == 0.0 && arm.get("arm.acceleration") > 1.0);
@@ -89,8 +90,8 @@ fn assert_agree(one: &[f64], other: &[f64], allowed: f64) {
     }
 }
 
-/// With a hysteresis of 9 MPa the lock engages as the arm rises, and catches it at the stop; with 13.5 MPa it engages
-/// when the arm has come to rest there. With none it changes at each passage of one pressure.
+/// With a hysteresis of 9 MPa the lock engages while the arm rises, and catches the arm at the stop. With 13.5 MPa it
+/// engages when the arm rests at the stop. Without hysteresis it changes whenever the pressure passes one value.
 #[test]
 fn results_do_not_depend_on_the_communication_step() {
     for (hysteresis, span, last) in
@@ -106,7 +107,7 @@ fn results_do_not_depend_on_the_communication_step() {
             assert_eq!(run(&mut other, [0.0, span], (span / h) as u32), expected, "{h}");
             assert_agree(&state(&mut other), &end, 1e-9);
         }
-        // A host that handles each event, in one step from event to event or in short ones.
+        // A host that handles each event, with one step from event to event or with short steps.
         let mut changes = Vec::new();
         for h in [span, 1e-2] {
             let mut other = arm(hysteresis, 1e-11);
@@ -120,7 +121,7 @@ fn results_do_not_depend_on_the_communication_step() {
     }
 }
 
-/// Without inputs that change, steps go on beyond the communication step.
+/// With constant inputs internal steps extend beyond the communication step.
 #[test]
 fn a_step_ahead_ends_where_the_lock_changes() {
     let mut ends = [1, 130, 1300].map(|count| {
@@ -137,8 +138,8 @@ fn a_step_ahead_ends_where_the_lock_changes() {
     }
 }
 
-/// Continuing from a saved state, from the run itself, and after a reset gives the same numbers: from rest in the lock,
-/// from the rise before the lock engages, and after.
+/// A run, its saved state and a run after a reset continue with the same numbers: from rest in the lock, from the rise
+/// before the lock engages, and after it.
 #[test]
 fn a_saved_state_and_a_reset_continue_as_the_run() {
     for time in [0.05, 0.07, 0.1] {
@@ -162,8 +163,8 @@ fn a_saved_state_and_a_reset_continue_as_the_run() {
     }
 }
 
-/// Rates of outputs right before and right after the release against differences on the same side of it. In the lock,
-/// oil, load and lock are in equilibrium.
+/// Rates of outputs directly before and after the release, against differences on the same side of the release. While
+/// the lock holds, oil, load and lock are in equilibrium.
 #[test]
 fn derivatives_and_reactions_are_those_of_either_side_of_the_release() {
     let names =
@@ -186,7 +187,7 @@ fn derivatives_and_reactions_are_those_of_either_side_of_the_release() {
         }
         let [force, oil, load] = ["latch.force", "lift.force", "lift.holding_force"].map(|name| here.get(name));
         if is_held {
-            // Moment of a unit force of the cylinder about the pivot, from foot and lug.
+            // Moment of a unit force of the cylinder about the pivot, from the points foot and lug.
             let (sin, cos) = 0.1_f64.sin_cos();
             let lug = [0.8 * cos + 0.1 * sin, 0.8 * sin - 0.1 * cos];
             let way = [lug[0] - 0.5, lug[1] + 0.9];
@@ -199,9 +200,10 @@ fn derivatives_and_reactions_are_those_of_either_side_of_the_release() {
     }
 }
 
-/// A host releases the lock by hand: the arm rises as soon as the oil carries it, below the pressure of the lock.
+/// A host releases the lock by its input: the arm rises as soon as the oil force is sufficient, below the pressure of
+/// the lock.
 #[test]
-fn a_lock_that_is_released_by_hand_does_not_hold() {
+fn a_manually_released_lock_does_not_hold() {
     let mut angles = [true, false].map(|engage| {
         let mut arm = arm(9e6, 1e-9);
         arm.set("latch.engage", engage);

@@ -1,4 +1,5 @@
-//! Redundant joints: accepted where they fit everywhere, with the reactions of least norm; refused by name where not.
+//! Redundant joints: accepted if they fit in all positions, with the reactions of least norm. Otherwise rejected with
+//! their names.
 
 use crate::support::definition::{With, arm, block, friction, pin, rod, slide, weight};
 use crate::support::{Run, assert_says, refusal};
@@ -7,7 +8,7 @@ use nalgebra::{DMatrix, DVector};
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_PI_2;
 
-/// A parallelogram with a third bar in the middle; `third` is its length. The plate is the coupler, 2 m long.
+/// A parallelogram with a third bar in the middle, of the length `third`. The coupler is a plate of 2 m.
 fn three_bars(third: f64) -> Value {
     json!({ "name": "ThreeBars", "gravity": weight(),
         "bodies": {
@@ -35,8 +36,8 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
         assert!((run.get("third.angle") - angle).abs() < 1e-12 && run.get("plate.angle").abs() < 1e-12);
         let (omega, alpha) = (run.get("left.speed"), run.get("left.acceleration"));
         let (s, c) = angle.sin_cos();
-        // Newton and Euler of left, right, third, plate: 12 equations for 12 components, of rank 11. Components: a1,
-        // b1, c1, a2, b2, c2, each the force on the second-named body.
+        // Newton-Euler equations of left, right, third, plate: 12 equations of rank 11 for 12 components. The
+        // components a1, b1, c1, a2, b2, c2 are the forces on the second body of each joint.
         let mut matrix = DMatrix::<f64>::zeros(12, 12);
         let mut right = DVector::<f64>::zeros(12);
         for (bar, mass) in [(0, 1.0), (1, 2.0), (2, 0.5)] {
@@ -54,7 +55,7 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
             right[row + 1] = mass * (0.5 * (alpha * c - omega * omega * s) + 9.81);
             right[row + 2] = mass * alpha / 12.0;
         }
-        // The plate moves like the bars' tips and does not turn; its centre is at (0.7, 0.1).
+        // The plate translates with the ends of the bars. Its centre of mass is at (0.7, 0.1).
         for (joint, x) in [(6, 0.0), (8, 2.0), (10, 0.8)] {
             matrix[(9, joint)] = 1.0;
             matrix[(10, joint + 1)] = 1.0;
@@ -77,10 +78,10 @@ fn reactions_of_a_third_bar_are_those_of_least_norm() {
     }
 }
 
-/// Guesses of three angles that are not closed contradict the redundant loop: what closes it is next to them, not where
-/// the bars are in line and the loop equations singular.
+/// A guess of three angles that does not close contradicts the redundant loop. The closed position is found near the
+/// guess, not at the singular position with the bars in line.
 #[test]
-fn what_closes_a_redundant_loop_is_next_to_the_guess() {
+fn redundant_loops_close_near_the_guess() {
     for case in 0..60 {
         let off = |k: u32| 5e-3 * f64::from(case * 7 + k).sin();
         let mut definition = three_bars(1.0);
@@ -99,8 +100,8 @@ fn what_closes_a_redundant_loop_is_next_to_the_guess() {
 }
 
 #[test]
-fn a_third_bar_that_does_not_fit_is_refused() {
-    // 1 mm too long: it fits at no position near the guess but where the linkage is then rigid.
+fn a_third_bar_that_does_not_fit_is_rejected() {
+    // 1 mm too long: near the guess the bar fits only at a position in which the linkage is rigid.
     let error = refusal(three_bars(1.001));
     let named =
         error.contains("0 degrees of freedom") || error.contains("do not close") || error.contains("redundant joint");
@@ -109,7 +110,7 @@ fn a_third_bar_that_does_not_fit_is_refused() {
 
 #[test]
 fn wedges_move_although_their_sliders_hold_the_angle_twice() {
-    // Two blocks on the ground, sliding on one another at 0.6 rad: y = tan(0.6) x.
+    // Two blocks on the ground that slide on each other at 0.6 rad: y = tan(0.6) x.
     let wedges = json!({ "name": "Wedges", "gravity": weight(),
         "bodies": { "ground": {}, "a": { "mass": 1 }, "b": { "mass": 2 } },
         "joints": { "x": slide("ground.origin", "a.origin", 0.0), "y": slide("ground.origin", "b.origin", FRAC_PI_2),
@@ -117,30 +118,30 @@ fn wedges_move_although_their_sliders_hold_the_angle_twice() {
         "start": { "joint": "x", "position": 0 }, "guess": { "x": 0, "y": 0 }, "solver": { "tolerance": 1e-12 } });
     let mut run = Run::new(wedges).started();
     run.step(0.3);
-    // b slides down along y while a moves in x: the second point lies on the axis through the first, y = -tan(0.6) x.
+    // b slides down along y while a moves along x. The second point is on the axis through the first: y = -tan(0.6) x.
     let (x, y) = (run.get("x.position"), run.get("y.position"));
     let slope = -0.6f64.tan();
     assert!((y - slope * x).abs() < 1e-13, "{x} {y}");
     let acceleration = -2.0 * 9.81 * slope / (1.0 + 2.0 * slope * slope);
     assert!((x - 0.5 * acceleration * 0.09).abs() < 1e-11, "{x}");
-    // Each guide carries what its block needs; the force between the blocks is normal to their contact.
+    // Each guide carries the force that its block needs. The force between the blocks is normal to their contact.
     let (fx, fy) = (run.get("z.force_x"), run.get("z.force_y"));
     assert!((fx * 0.6f64.cos() + fy * 0.6f64.sin()).abs() < 1e-9);
     assert!((fx + acceleration).abs() < 1e-9, "on b; a needs 1 kg times its acceleration: {fx}");
 }
 
-/// Friction that sticks, with this coefficient.
+/// Static friction with this coefficient.
 fn sticks(coefficient: f64) -> Value {
     friction([coefficient; 2], [0.0; 2]).with(json!({ "law": "stick" }))
 }
 
-/// What the check tells of the joints of a definition that follow from others.
+/// Findings of `check` about redundant joints.
 fn redundant(definition: &Value) -> Vec<String> {
     let facts = inspect(&definition.to_string()).facts.into_iter().filter(|fact| fact.topic == "Redundant joints");
     facts.map(|fact| format!("{} {}", fact.of, fact.text)).collect()
 }
 
-/// With one coordinate and redundant joints there is no independent loop equation at all.
+/// With one coordinate and redundant joints there is no independent loop equation.
 #[test]
 fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     let mut carriage = block(2.0).with(json!({ "gravity": weight(),
@@ -150,7 +151,8 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     let mut run = Run::new(&carriage).started();
     run.step(0.5);
     assert!((run.get("slide.position") - 0.5 * 3.0 * 0.25).abs() < 1e-9);
-    // Each rail carries half of the weight; the moment of the push and the weight at 0.375 m is shared evenly too.
+    // Each rail carries half of the weight. Both rails share the moment of the push and of the weight at 0.375 m
+    // equally.
     for rail in ["slide", "upper"] {
         assert!((run.get(&format!("{rail}.force_y")) - 9.81).abs() < 1e-9, "{rail}");
         assert!(
@@ -159,9 +161,9 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
             run.get(&format!("{rail}.torque"))
         );
     }
-    let [told] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
-    assert_says(told, &["upper", "share the reactions"]);
-    // Friction on each rail, which presses with half of the weight.
+    let [fact] = &redundant(&carriage)[..] else { panic!("{:?}", redundant(&carriage)) };
+    assert_says(fact, &["upper", "share the reactions"]);
+    // Friction on each rail, whose normal force is half of the weight.
     carriage["friction"] = sticks(0.1);
     let mut run = Run::new(&carriage).started();
     run.step(0.5);
@@ -173,7 +175,7 @@ fn a_carriage_on_two_rails_and_a_door_on_two_hinges() {
     assert_eq!(redundant(&door).len(), 1);
 }
 
-/// A carriage of 2 kg on n rails with friction, turned by a torque so that some rails press from above.
+/// A carriage of 2 kg on n rails with friction. A torque presses some of the rails from above.
 fn rails(n: usize) -> Value {
     let points: serde_json::Map<String, Value> = (0..n).map(|i| (format!("p{i}"), json!(place(i)))).collect();
     let joint = |i: usize| slide(&format!("ground.p{i}"), &format!("carriage.p{i}"), 0.0);
@@ -191,13 +193,13 @@ fn place(i: usize) -> [f64; 2] {
     [(0.37 * i as f64).sin(), 0.2 * (1.3 * i as f64).cos()]
 }
 
-/// Friction on rails by the normal forces of least norm, which it changes by its moments.
+/// Friction on many rails follows the normal forces of least norm, which depend on the moment of the friction.
 #[test]
 fn friction_of_many_rails_is_that_of_their_least_reactions() {
     const N: usize = 7;
     let mut run = Run::new(rails(N)).started();
     let size = run.reduced().unwrap().linkage().size;
-    // Forces along y and moments / size: sum and moment about the carriage's origin.
+    // Equations for forces along y and moments / size: sum, and moment about the origin of the carriage.
     let shares = DMatrix::from_fn(2, 2 * N, |row, k| match (row, k < N) {
         (0, on_y) => f64::from(u8::from(on_y)),
         (_, true) => place(k)[0],
@@ -219,9 +221,8 @@ fn friction_of_many_rails_is_that_of_their_least_reactions() {
     }
 }
 
-/// Work for each rail does not grow with their number: so many components does each evaluation read, and set-up and a
-/// step of 200 rails take less than a tenth of what they take where all states of self-stress and all frictions are
-/// unknowns of one system.
+/// The work per rail does not grow with the number of rails: each evaluation reads one component per rail. With 200
+/// rails, the set-up and a step need less than a tenth of the time of one system for all self-stresses and frictions.
 #[test]
 fn many_rails_are_no_cubic_work() {
     let clock = std::time::Instant::now();
@@ -234,7 +235,8 @@ fn many_rails_are_no_cubic_work() {
     assert!(clock.elapsed().as_secs_f64() < 10.0, "{:?}", clock.elapsed());
 }
 
-/// Hinges at one point share their friction: a lever on n of them swings as on one with the same coefficients.
+/// Hinges at one point share their friction: a lever on n hinges oscillates like a lever on one hinge with the same
+/// coefficients.
 #[test]
 fn friction_of_many_hinges_is_that_of_one() {
     let angle = |n: usize| {

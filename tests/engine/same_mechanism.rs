@@ -1,5 +1,5 @@
-//! One mechanism written in several ways gives the same results: with the two sides of every joint exchanged, and with
-//! every body carried by others to which it is fixed.
+//! One mechanism in several equivalent definitions gives the same results: with exchanged sides of every joint, and
+//! with every body carried by other bodies (`fixed_to`).
 
 use crate::losses::TRAIN;
 use crate::support::{Run, assert_says, changed};
@@ -8,25 +8,25 @@ use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Largest difference at the start and after the steps, as a part of the largest output of the same unit. Tables are
-/// accurate to 1e-13 of a component, reactions near a singular position to less.
+/// Largest difference at the start and after the steps, relative to the largest output with the same unit. Tables have
+/// an error of 1e-13 of a component, reactions near a singular position a larger one.
 const AT_START: f64 = 1e-9;
 const AFTER_STEPS: f64 = 1e-7;
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-12;
-/// Angles of a body in its carrier, and of that in the next one [rad, or deg in a file in degrees].
+/// Angles of a body in its carrier, and of the carrier in the next carrier [rad, or deg in a file in degrees].
 const TURNS: [f64; 2] = [0.7, -1.9];
 
-/// What the transformed definition shows differently.
+/// The differences of the transformed definition.
 #[derive(Default)]
 struct Differs {
-    /// Names of joints and loads whose signs are those of the order of a joint's sides.
+    /// Names of joints and loads whose signs depend on the order of a joint's sides.
     mirrored: Vec<String>,
-    /// Names of bodies that others carry now.
+    /// Names of bodies that other bodies carry in the transformed definition.
     carried: Vec<String>,
 }
 
-/// A number or an expression with the other sign.
+/// A number or an expression with the opposite sign.
 fn negative(value: &Value) -> Value {
     match value {
         Value::Number(number) => json!(-number.as_f64().unwrap()),
@@ -51,7 +51,7 @@ fn negate(of: &mut Value, keys: &[&str]) {
     }
 }
 
-/// Turn a curve over its argument round: f(x) becomes -f(-x).
+/// Mirror a curve: f(x) becomes -f(-x).
 fn mirror(of: &mut Value, keys: &[&str]) {
     for key in keys {
         if let Some(Value::Array(points)) = of.get_mut(key) {
@@ -61,15 +61,14 @@ fn mirror(of: &mut Value, keys: &[&str]) {
     }
 }
 
-/// Entries of a group that stand for a load in a joint, with their names.
+/// Entries of a group that are loads in this joint, with their names.
 fn in_joint<'v>(definition: &'v mut Value, group: &str, joint: &str) -> Vec<(String, &'v mut Value)> {
     let entries = definition.get_mut(group).and_then(Value::as_object_mut).into_iter().flatten();
     entries.filter(|(_, load)| load["joint"] == *joint).map(|(name, load)| (name.clone(), load)).collect()
 }
 
-/// Exchange the two sides of a joint, and turn everything round that is stated by its displacement. The axis of a
-/// prismatic joint keeps its direction, so that the position changes its sign. False if a load acts in one direction
-/// only.
+/// Exchange the two sides of a joint, and reverse all values that refer to its displacement. The axis of a prismatic
+/// joint keeps its direction, so the position changes its sign. Returns false if a load acts in one direction only.
 fn exchange(definition: &mut Value, joint: &str, differs: &mut Differs) -> bool {
     let one_way = |(_, load): &(String, &mut Value)| load.get("gas").is_some() || load.get("hydraulics").is_some();
     if ["springs", "actuators"].iter().any(|group| in_joint(definition, group, joint).iter().any(one_way)) {
@@ -131,7 +130,7 @@ fn with_sides_exchanged(mut definition: Value) -> (Value, Differs) {
     (definition, differs)
 }
 
-/// Every body that moves is fixed to another one, and that to a third one, without mass, of which the guess tells.
+/// Every moving body is fixed to a second body, and this to a third body without mass. The guess states the third body.
 fn with_bodies_carried(mut definition: Value) -> (Value, Differs) {
     let mut differs = Differs::default();
     let bodies: Vec<(String, Value)> = definition["bodies"].as_object().unwrap().clone().into_iter().collect();
@@ -155,7 +154,7 @@ fn with_bodies_carried(mut definition: Value) -> (Value, Differs) {
     (definition, differs)
 }
 
-/// Values of all outputs that do not measure errors, with their units; not a number where there is none.
+/// Values and units of all outputs that do not measure errors. NaN stands for an output without a value.
 fn outputs(run: &mut Run) -> BTreeMap<String, (String, f64)> {
     let list = run.variables().list().to_vec();
     let mut all = BTreeMap::new();
@@ -169,7 +168,7 @@ fn outputs(run: &mut Run) -> BTreeMap<String, (String, f64)> {
     all
 }
 
-/// What the other one of the drive's directions is called.
+/// Name of the output for the opposite direction of the drive.
 fn turned_round(name: &str) -> String {
     match (name.strip_suffix("_forward"), name.strip_suffix("_backward")) {
         (Some(force), _) => format!("{force}_backward"),
@@ -178,7 +177,7 @@ fn turned_round(name: &str) -> String {
     }
 }
 
-/// Compare all outputs of two models of one mechanism. Returns how many were compared.
+/// Compare all outputs of two models of one mechanism. Returns the number of compared outputs.
 #[track_caller]
 fn assert_same(what: &str, [one, other]: [&mut Run; 2], joints: &Value, differs: &Differs, tolerance: f64) -> usize {
     let (one, other) = (outputs(one), outputs(other));
@@ -191,7 +190,7 @@ fn assert_same(what: &str, [one, other]: [&mut Run; 2], joints: &Value, differs:
     for (name, (unit, value)) in &one {
         let of = name.split('.').next().unwrap();
         let is_mirrored = differs.mirrored.iter().any(|own| own == of);
-        // The moment in a prismatic joint is about the second point.
+        // The moment of a prismatic joint refers to the second point.
         if is_mirrored && joints[of]["type"] == "prismatic" && name.ends_with(".torque") {
             continue;
         }
@@ -208,14 +207,14 @@ fn assert_same(what: &str, [one, other]: [&mut Run; 2], joints: &Value, differs:
     compared
 }
 
-/// A definition and its transform have the same outputs at the start and after some steps.
+/// A definition and its transformed definition have the same outputs at the start and after some steps.
 fn check(name: &str, definition: &Value, transform: fn(Value) -> (Value, Differs)) {
     if definition["solver"]["method"] == "rigid_fem" {
         return;
     }
     let mut definition = definition.clone();
     if definition["name"] == "Parallelogram" {
-        // Where branches cross, reactions are without bound.
+        // At a crossing the reactions are unbounded.
         definition["start"]["angle"] = json!(0.3);
     }
     if definition.get("solver").is_none() {
@@ -240,7 +239,7 @@ fn check(name: &str, definition: &Value, transform: fn(Value) -> (Value, Differs
     assert_same(&format!("{name} after steps"), runs.each_mut(), joints, &differs, AFTER_STEPS);
 }
 
-/// Put a part of a file into a whole one, as the reference says of its examples.
+/// Add a part of a file to a complete file, as the reference describes for its examples.
 fn add_part(whole: &mut Value, part: &Map<String, Value>) {
     for (key, value) in part {
         match (whole.get_mut(key), value) {
@@ -254,7 +253,7 @@ fn add_part(whole: &mut Value, part: &Map<String, Value>) {
     }
 }
 
-/// The mechanisms of the repository, those of the reference, and some that have what those lack.
+/// The mechanisms of the repository and of the reference, and additional ones with other elements.
 fn scenes() -> Vec<(String, Value)> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
     let mut all = Vec::new();
@@ -291,7 +290,7 @@ fn scenes() -> Vec<(String, Value)> {
             all.push((format!("example {index} of {page}: {}", whole["name"]), whole));
         }
     }
-    // A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between bodies that move.
+    // A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between moving bodies.
     let hinges = include_str!("../fixtures/hinges.json").to_owned();
     let driven = |push: f64| {
         changed(TRAIN, |m| {
@@ -319,14 +318,14 @@ fn the_sides_of_joints_may_be_exchanged() {
 fn bodies_may_be_carried_by_others() {
     for (name, mut definition) in scenes() {
         for (_, drive) in definition.get_mut("actuators").and_then(Value::as_object_mut).into_iter().flatten() {
-            // A body and all that it carries have one part in the reduced mass, under the name of the carrier.
+            // A body and all bodies that it carries have one reduced mass, under the name of the carrier.
             drive.as_object_mut().unwrap().remove("by_body");
         }
         check(&name, &definition, with_bodies_carried);
     }
 }
 
-/// A shaft at 0.2 rad that carries a lever at 1 rad: the angle of the hinge is that of the lever.
+/// A shaft at 0.2 rad carries a lever at 1 rad. The angle of the hinge is that of the lever.
 #[test]
 fn the_angle_of_a_hinge_is_that_of_the_body_it_names() {
     let shaft = json!({ "name": "Shaft",
@@ -353,7 +352,7 @@ fn the_angle_of_a_hinge_is_that_of_the_body_it_names() {
     }
 }
 
-/// A wheel drives a rack with losses; the joint may be written from either side.
+/// A wheel drives a rack with losses. Both orders of the joint's sides are allowed.
 #[test]
 fn a_rack_written_first_loses_in_the_direction_of_its_power() {
     for (torque, first, second) in
@@ -370,10 +369,10 @@ fn a_rack_written_first_loses_in_the_direction_of_its_power() {
             "torques": { "motor": { "on": "wheel", "torque": torque } },
             "start": { "body": "wheel", "angle": 0, "speed": 1 }, "guess": { "wheel": 0, "s": 0 } });
         let mut run = Run::new(text.to_string()).started();
-        // The rack of m r^2 = 0.02 kg.m2 gets half of the power, and gives half of it back.
+        // The rack, m r^2 = 0.02 kg.m2, receives half of the wheel's power, or returns half of its power to the wheel.
         let exact = torque / (0.01 + 0.02 * if torque > 0.0 { 2.0 } else { 0.5 });
         assert!((run.get("wheel.acceleration") - exact).abs() < 1e-11, "{first}: {}", run.get("wheel.acceleration"));
-        // On the rack act the mesh and the loss.
+        // Transmitted force and loss force act on the rack.
         let on_rack = run.get("mesh.transmitted_force") + run.get("mesh.loss_force");
         assert!((on_rack - 2.0 * 0.1 * exact).abs() < 1e-11, "{first}: {on_rack}");
     }

@@ -5,7 +5,7 @@ use crate::support::{Run, Vec2, assert_near, assert_says, changed, refusal, turn
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// A carriage of 30 kg on a slope of 0.4 rad, which a screw of 5 mm lead and 2e-4 kg.m2 drives.
+/// A carriage of 30 kg on a slope of 0.4 rad, driven by a screw with a lead of 5 mm and an inertia of 2e-4 kg.m2.
 fn carriage() -> Value {
     block(30.0).with(json!({
         "gravity": weight(), "joints": { "slide": { "axis_angle": 0.4 } },
@@ -33,14 +33,14 @@ fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
         assert_near(run.get("motor.speed"), ratio * run.get("slide.speed"), 1e-12 * ratio, "speed of the screw");
         let energy = 0.5 * mass * run.get("slide.speed").powi(2);
         assert_near(run.get("energy.kinetic"), energy, 1e-12 * energy, "energy with that of the screw");
-        // At the motor's side of the losses.
+        // Inertia at the motor, before the losses.
         let inertia = mass / ratio / ratio / efficiency;
         assert_near(run.get("motor.reduced_inertia"), inertia, 1e-14, "inertia on the screw");
         assert!(run.get("energy.drift").abs() < 1e-9);
     }
 }
 
-/// A jib of 2 m and 80 kg, hinged at the origin, which a spindle from (1, -0.3) to its middle lifts.
+/// A jib of 2 m and 80 kg with a hinge at the origin, lifted by a spindle from (1, -0.3) to its middle.
 fn jib(screw: Value) -> Value {
     let spindle = json!({ "first": "ground.foot", "second": "arm.middle", "torque": 3.0, "screw": screw });
     arm(2.0, 80.0, 0.3).with(json!({
@@ -78,8 +78,8 @@ fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
         assert_near(inertia * alpha, push * s1 + weight, 1e-5 * (push.abs() + 1000.0), "moments about the pin");
         assert_near(run.get("spindle.acceleration"), ratio * second, 1e-6 * ratio * second.abs().max(1.0), "spindle");
         assert_near(run.get("spindle.angle"), ratio * between.norm(), 1e-11 * ratio, "angle of the spindle");
-        // The pin takes what the mass, the weight and the spindle leave; the spindle's push from its own second
-        // derivative.
+        // The pin carries the difference of inertia, weight and spindle force. The spindle force follows from the
+        // second derivative of the spindle's length.
         let push = ratio * (3.0 + 0.1 * f64::from(step)) - reflected * run.get("spindle.acceleration") / ratio;
         let (tip, normal) = (Vec2::new(theta.cos(), theta.sin()), Vec2::new(-theta.sin(), theta.cos()));
         let acceleration = alpha * normal - omega * omega * tip;
@@ -114,7 +114,7 @@ fn without_inertia_a_screw_is_a_force() {
 }
 
 #[test]
-fn what_is_no_screw_is_refused() {
+fn wrong_screws_are_rejected() {
     let refused = |change: fn(&mut Value), pieces: &[&str]| {
         let text = changed(carriage(), change);
         assert_says(refusal(text), pieces);

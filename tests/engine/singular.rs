@@ -1,4 +1,4 @@
-//! Toggles, flat positions where branches cross, full turns, redundant joints: none is a special case of the motion.
+//! Toggles, flat positions with crossings, full turns, redundant joints: the motion is exact at all of them.
 
 use crate::support::definition::{self, With};
 use crate::support::numeric::pseudo_random;
@@ -13,8 +13,8 @@ fn started(text: &str) -> Result<Run, SimulationError> {
     Ok(Run(simulation))
 }
 
-/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler, rocker; start and guess of the crank,
-/// coupler, rocker.
+/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler and rocker; start of the crank; guess of
+/// crank, coupler and rocker.
 fn four_bar(lengths: [f64; 4], start: f64, speed: f64, guess: [f64; 3], gravity: f64) -> String {
     let more = json!({
         "gravity": { "acceleration": gravity, "up_angle": FRAC_PI_2 }, "torques": { "crank": { "on": "crank" } },
@@ -23,7 +23,7 @@ fn four_bar(lengths: [f64; 4], start: f64, speed: f64, guess: [f64; 3], gravity:
     definition::four_bar(lengths, guess).with(more).to_string()
 }
 
-/// The gear's reduced inertia in the crank angle on the branch with the coupler above the diagonal: PHYSICS, equation
+/// Reduced inertia of the gear at the crank angle, on the branch with the coupler above the diagonal: PHYSICS, equation
 /// of motion in the crank angle, with closed-form angles.
 fn gear_inertia(theta2: f64) -> f64 {
     let (l1, l2, l3, l4, l5): (f64, f64, f64, f64, f64) = (0.5729, 0.1755, 0.217, 0.34, 0.759);
@@ -43,13 +43,13 @@ fn gear_inertia(theta2: f64) -> f64 {
         + m3 * (l2 * l2 + l3 * l3 * k3 * k3 / 3.0 + l2 * l3 * k3 * (theta2 - theta3).cos())
 }
 
-/// The gear's largest crank angle [rad]: coupler and follower in line.
+/// Largest crank angle of the gear [rad]: coupler and follower are in line.
 fn toggle() -> f64 {
     ((0.5729f64.powi(2) + 0.1755f64.powi(2) - 0.557f64.powi(2)) / (2.0 * 0.5729 * 0.1755)).acos()
 }
 
-/// Length of the gear's closed curve in the kinetic metric. The lower branch mirrors the upper one, and with
-/// theta2 = toggle sin(phi) the integrand is smooth and periodic, so that the midpoint rule converges geometrically.
+/// Length of the gear's closed curve in the kinetic metric. The lower branch mirrors the upper branch. With theta2 =
+/// toggle sin(phi) the integrand is smooth and periodic, and the midpoint rule converges geometrically.
 fn gear_length() -> f64 {
     let toggle = toggle();
     const POINTS: u32 = 4000;
@@ -70,7 +70,7 @@ fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
     let period = gear_length() / (2.0 * kinetic).sqrt();
     let mut worst: f64 = 0.0;
     for turn in 1..=10_000 {
-        // Uneven steps, so that toggles are met everywhere in a step.
+        // Uneven steps, so that the toggles occur anywhere within a step.
         gear.step(0.37 * period);
         gear.step(0.63 * period);
         if turn % 100 == 0 {
@@ -80,7 +80,7 @@ fn the_gear_coasts_through_both_toggles_ten_thousand_times() {
     }
     let phase = (gear.get("crank.angle") - 0.8) / -20.0 / period;
     assert!(worst < 1e-9);
-    // Length and quadrature agree to 1e-13 each; ten thousand turns multiply that.
+    // Length and quadrature agree to 1e-13. Ten thousand turns multiply this error.
     assert!(phase.abs() < 1e-8, "{phase:e}");
 }
 
@@ -95,7 +95,7 @@ fn a_start_exactly_at_a_toggle_works() {
             assert!(gear.get("energy.drift").abs() < 1e-6);
         }
         assert!(gear.get("energy.kinetic") > 10.0);
-        // The crank stands still at its toggle: a speed cannot be stated by it, but by the follower.
+        // At its toggle the crank has the speed 0. The speed can be stated by the follower, but not by the crank.
         gear.set("crank.start_speed", 1.0);
         assert_says(gear.refusal(), &["crank.start_speed = 1", "dead centre"]);
         gear.set("crank.start_speed", 0.0);
@@ -103,7 +103,7 @@ fn a_start_exactly_at_a_toggle_works() {
         let (coupler, follower) = (gear.get("coupler.angle"), gear.get("follower.angle"));
         let mut gear = Run::new(changed(without_stops(), |m| {
             m["start"] = json!({ "body": "follower", "angle": follower, "speed": 3 });
-            // The follower has this angle elsewhere too: the guess must be near.
+            // The follower has this angle in a second position, so the guess must be near.
             m["guess"] = json!({ "crank": toggle, "coupler": coupler, "follower": follower });
         }));
         assert!((gear.get("follower.speed") - 3.0).abs() < 1e-11);
@@ -113,7 +113,7 @@ fn a_start_exactly_at_a_toggle_works() {
 }
 
 #[test]
-fn a_start_beyond_the_toggle_is_refused_with_the_range() {
+fn a_start_beyond_the_toggle_is_rejected_with_the_range() {
     let error = Run::new(without_stops()).with(&[("crank.start_angle", 1.4)]).refusal();
     assert_says(error, &["crank.start_angle = 1.4", "-1.32", "1.32"]);
 }
@@ -121,7 +121,7 @@ fn a_start_beyond_the_toggle_is_refused_with_the_range() {
 #[test]
 fn flat_positions_are_crossed_straight_on_in_both_directions() {
     for (speed, torque) in [(3.0, 0.0), (-3.0, 0.0), (1e-3, 0.0), (0.0, 5.0), (0.0, -0.3)] {
-        // Parallelogram; the guess is off the crossing, the start exactly at it.
+        // A parallelogram. The guess is away from the crossing, the start exactly at the crossing.
         let mut bars = Run::new(four_bar([2.0, 1.0, 2.0, 1.0], 0.0, speed, [0.4, 0.0, 0.4], 0.0));
         bars.set("crank.torque", torque);
         bars.initialize();
@@ -133,7 +133,7 @@ fn flat_positions_are_crossed_straight_on_in_both_directions() {
             assert!(bars.get("coupler.angle").abs() < 1e-12);
         }
         let moved = bars.get("crank.angle");
-        // Coupler translates: I = 1/3 + 2 + 1/3.
+        // The coupler translates: I = 1/3 + 2 + 1/3.
         let exact = speed * 5000.0 * span + 0.5 * torque / (8.0 / 3.0) * (50.0f64).powi(2);
         assert!((moved - exact).abs() < 1e-10 * exact.abs(), "{moved} {exact}");
     }
@@ -141,7 +141,7 @@ fn flat_positions_are_crossed_straight_on_in_both_directions() {
 
 #[test]
 fn the_antiparallelogram_stays_one() {
-    // Crossed: crank at 1 rad, coupler and rocker turned the other way.
+    // Antiparallelogram: crank at 1 rad, coupler and rocker turned the other way.
     let mut bars = Run::new(four_bar([2.0, 1.0, 2.0, 1.0], 1.0, 0.0, [1.0, -1.05, -2.1], 9.81));
     bars.initialize();
     bars.set("crank.torque", 45.0);
@@ -149,7 +149,7 @@ fn the_antiparallelogram_stays_one() {
     for _ in 0..5000 {
         bars.step(2e-3);
         let (crank, rocker) = (bars.get("crank.angle"), bars.get("rocker.angle"));
-        // tan(rocker/2) = -(ground + crank length)/(ground - crank length) tan(crank/2): the crossed branch.
+        // tan(rocker/2) = -(ground + crank length)/(ground - crank length) tan(crank/2) on the crossed branch.
         let (a, b) = (0.5 * crank, 0.5 * rocker);
         let miss = b.sin() * a.cos() + 3.0 * a.sin() * b.cos();
         assert!(miss.abs() < 1e-10, "{crank} {rocker}: {miss}");
@@ -159,11 +159,11 @@ fn the_antiparallelogram_stays_one() {
     assert!(bars.get("energy.drift").abs() < 1e-7 * bars.get("energy.kinetic"));
 }
 
-/// A parallelogram with one length off by a part in 10 to 1e17: the branches that would cross when flat are joined by
-/// bends as narrow as the root of that. Without `snap`: down to 1e-5 the motion is exact through them, from 1e-13 on
-/// they may be a crossing; in between rounding would choose the branch, and the model is refused for this reason.
+/// A parallelogram with a length error of 0.1 to 1e-17 and without `snap`. The branches near the flat position are
+/// connected by bends whose width is the root of the error. Down to 1e-5 the motion through the bends is exact. From
+/// 1e-13 on they may count as a crossing. In between rounding would select the branch, and the model is rejected.
 #[test]
-fn branches_that_almost_cross_are_told_apart_or_refused() {
+fn branches_that_almost_cross_are_distinguished_or_rejected() {
     let speed = 5.0;
     for (which, sign) in [(0, 1.0), (0, -1.0), (1, 1.0), (1, -1.0), (2, 1.0), (2, -1.0), (3, 1.0), (3, -1.0)] {
         for power in 1..=17 {
@@ -187,10 +187,10 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
                 let x = lengths[0] + lengths[3] * rocker.cos() - lengths[1] * crank.cos();
                 let y = lengths[3] * rocker.sin() - lengths[1] * crank.sin();
                 let gap = x.hypot(y) - lengths[2];
-                // Taken for a crossing, the length is what it would have to be for one.
+                // At a bend that counts as a crossing, the error of the length is allowed.
                 let taken = if power < 13 { 0.0 } else { 1.1 * 10f64.powi(-power) };
                 assert!(gap.abs() < 3e-14 + taken, "{lengths:?} at {crank}: {gap}");
-                // Kinetic energy in absolute coordinates, from the angular velocities that the model gives.
+                // Kinetic energy in absolute coordinates, from the angular velocities of the model.
                 let [w2, w3, w4] = ["crank", "coupler", "rocker"].map(|b| bars.get(&format!("{b}.speed")));
                 let [_, l2, l3, l4] = lengths;
                 let middle = turned(Vec2::new(0.0, l2 * w2), crank)
@@ -203,8 +203,8 @@ fn branches_that_almost_cross_are_told_apart_or_refused() {
     }
 }
 
-/// Random linkages that were once given up: the rounding of their coordinates is somewhat larger than expected, and it
-/// was taken for a bend that ever shorter panels would resolve.
+/// In these random linkages the rounding of the coordinates is larger than usual. It must not be mistaken for a bend
+/// that shorter panels would resolve.
 #[test]
 fn rounding_is_not_taken_for_a_bend() {
     for text in [include_str!("../fixtures/watt_with_a_slider.json"), include_str!("../fixtures/stephenson.json")] {
@@ -215,7 +215,7 @@ fn rounding_is_not_taken_for_a_bend() {
             assert!(drift.abs() < 1e-9 * (1.0 + work), "{drift} of {work}");
         }
     }
-    // This one is 5e-7 of its size from a crossing.
+    // This linkage is 5e-7 of its size away from a crossing.
     let text = include_str!("../fixtures/inverted_slider_crank.json");
     let as_drawn = changed(text, |definition| definition["snap"] = json!(0));
     assert_says(refusal(as_drawn), &["almost cross", "write \"snap\": "]);
@@ -224,8 +224,8 @@ fn rounding_is_not_taken_for_a_bend() {
     assert!(!model.0.model().remarks().is_empty());
 }
 
-/// Parallelograms and antiparallelograms of random masses, whose centres are anywhere: each is traced through its
-/// crossings and tabulated, none is refused.
+/// Parallelograms and antiparallelograms with random masses and centres of mass: each curve is traced through its
+/// crossings and tabulated, and none is rejected.
 #[test]
 fn crossings_are_tabulated_whatever_the_masses() {
     let mut random = pseudo_random(1);
@@ -260,7 +260,7 @@ fn crossings_are_tabulated_whatever_the_masses() {
 }
 
 #[test]
-fn a_guess_at_a_crossing_must_say_which_branch() {
+fn a_guess_at_a_crossing_must_determine_the_branch() {
     let flat = four_bar([2.0, 1.0, 2.0, 1.0], 0.0, 1.0, [0.0, 0.0, 0.0], 0.0);
     assert_says(refusal(flat), &["branches", "away from the crossing"]);
 }

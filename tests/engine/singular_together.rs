@@ -1,4 +1,4 @@
-//! Mechanisms of which several loops become singular at one position: scissor lifts, inversors.
+//! Mechanisms in which several loops become singular in one position: scissor lifts, inversors.
 
 use crate::support::definition::{pin, rod, slide, weight};
 use crate::support::numeric::pseudo_random;
@@ -15,7 +15,7 @@ fn mechanism(bodies: &Value, joints: &Value, drive: &str, start: &Value, guess: 
     .to_string()
 }
 
-/// Angle of the line from one point to another.
+/// Angle of the line between two points.
 fn angle(from: Vec2, to: Vec2) -> f64 {
     (to.y - from.y).atan2(to.x - from.x)
 }
@@ -23,7 +23,7 @@ fn angle(from: Vec2, to: Vec2) -> f64 {
 /// Length of the bars of the scissor lift [m].
 const BAR: f64 = 1.2;
 
-/// A scissor lift: in each stage bars a at the angle phi and b at pi - phi, pinned in their middles.
+/// A scissor lift. In each stage the bars a at the angle phi and b at pi - phi have a pin in their middle.
 fn scissor_lift(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2]) -> String {
     let mut bodies = json!({ "ground": { "length": 1.0 }, "carriage": { "mass": carriage, "inertia": 0.01 } });
     let rail = slide("ground.origin", "carriage.origin", 0.0);
@@ -46,8 +46,8 @@ fn scissor_lift(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2])
     mechanism(&bodies, &joints, "a1", &json!({ "body": "a1", "angle": phi, "speed": speed }), &guess)
 }
 
-/// The lift's kinetic and potential energy in closed form: the middle of stage k = 1 .. n is at (l cos(phi) / 2,
-/// (k - 1/2) l sin(phi)), the carriage at (l cos(phi), 0).
+/// Kinetic and potential energy of the lift in closed form. The middle of stage k = 1 .. n is at (l cos(phi) / 2, (k -
+/// 1/2) l sin(phi)), the carriage at (l cos(phi), 0).
 fn scissor_energy(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2]) -> f64 {
     let (sin, cos) = phi.sin_cos();
     let mut energy = 0.5 * carriage * (BAR * sin * speed).powi(2);
@@ -59,11 +59,11 @@ fn scissor_energy(stages: usize, phi: f64, speed: f64, [mass, carriage]: [f64; 2
     energy
 }
 
-/// The tables hold 1e-13 of the largest speed of a bar, which for the same energy is up to some 20 n times larger where
-/// all bars stand in one line than elsewhere.
+/// The tables have errors of 1e-13 of the largest speed of a bar. For the same energy this speed is up to some 20 n
+/// times larger in the position with all bars in one line than elsewhere.
 fn a_lift_passes_its_singular_positions(stages: usize, masses: [f64; 2], turns: f64) {
     let allowed = 1e-9_f64.max(1e-10 * stages as f64);
-    // Fast enough to go round, through the flat position and the one in which all bars stand in one line.
+    // Fast enough for full turns, through the flat position and the position with all bars in one line.
     let mut rise = 40.0 * (stages as f64 * BAR);
     rise = rise.max(100.0);
     let (start, speed) = (0.7, -rise.sqrt());
@@ -104,7 +104,7 @@ fn scissor_lifts_pass_whatever_their_masses() {
 }
 
 /// Peaucellier's inversor: its end P moves on the straight line x = (l^2 - s^2) / (2 a), also through the positions in
-/// which its two halves coincide and all of its loops are singular.
+/// which its halves coincide and all its loops are singular.
 #[test]
 fn peaucelliers_inversor_draws_a_straight_line_whatever_the_masses() {
     let (a, l, s) = (0.5, 1.5, 0.6);
@@ -149,9 +149,9 @@ fn peaucelliers_inversor_draws_a_straight_line_whatever_the_masses() {
     }
 }
 
-/// Hart's inversor: an antiparallelogram with O, P and Q at one part of three of its sides; P on a circle through O
-/// with its centre at E takes Q along the straight line normal to OE at the distance OP OQ / (2 OE) from O, away from
-/// E.
+/// Hart's inversor: an antiparallelogram with O, P and Q at the same fraction of three of its sides. P moves on a
+/// circle through O with its centre at E. Q then moves on the straight line normal to OE at the distance OP OQ / (2 OE)
+/// from O, on the side opposite to E.
 #[test]
 fn harts_inversor_draws_a_straight_line_whatever_the_masses() {
     let (long, short, part, diagonal): (f64, f64, f64, f64) = (2.0, 1.0, 0.4, 1.9);

@@ -1,4 +1,4 @@
-//! One mechanism in two formulations, the reduced model and rigid finite elements, chosen by `solver.method`.
+//! One mechanism in two formulations, the reduced model and rigid finite elements, selected by `solver.method`.
 
 use super::gear_retraction::THETA_013;
 use super::rigid_fem::{ELASTIC_LIMIT, heavy_four_bar, strut};
@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 /// E A of the gear's bodies [N].
 const STIFFNESS: [(&str, f64); 3] = [("crank", 2.1e9), ("coupler", 8.937_60e7), ("follower", 3.049_20e8)];
 
-/// A mechanism by rigid finite elements, the gear's E A times `factor`.
+/// The mechanism by rigid finite elements. The E A of the gear is multiplied by `factor`.
 fn by_rigid_fem(mut run: Run, factor: f64) -> Run {
     run.set("solver.method", "rigid_fem");
     for (body, stiffness) in STIFFNESS {
@@ -23,7 +23,7 @@ fn gear(factor: f64, fem_step: f64) -> Run {
     by_rigid_fem(Run::gear(), factor).with(&[("solver.fem_step", fem_step)])
 }
 
-/// theta2 at 0.13 s of scene S1 in steps of 1 ms, less the exact one of rigid links [rad].
+/// theta2 at 0.13 s of scene S1 in steps of 1 ms, minus the exact value for rigid links [rad].
 fn deviation(factor: f64, fem_step: f64) -> f64 {
     let mut gear = gear(factor, fem_step).started();
     (0..130).for_each(|_| gear.step(1e-3));
@@ -33,10 +33,10 @@ fn deviation(factor: f64, fem_step: f64) -> f64 {
 #[test]
 fn the_formulations_differ_by_the_strain_of_the_rods() {
     let differs = deviation(1.0, 1e-5);
-    // The step's error is below 4e2 h^2.
+    // The error of the step is below 4e2 h^2.
     assert!((differs - ELASTIC_LIMIT).abs() < 4e-8 + 1e-9, "{differs:e}");
     let stiffer = deviation(10.0, 1e-5);
-    // The step's error again, and the next term of the stretch.
+    // The error of the step, and the next term of the strain.
     assert!((10.0 * stiffer - differs).abs() < 4e-7 + 3e-3 * differs, "{stiffer:e}");
 }
 
@@ -45,11 +45,11 @@ fn the_order_in_the_step_is_two() {
     let [coarse, middle, fine] = [5e-4, 2.5e-4, 1.25e-4].map(|h| deviation(1.0, h));
     let order = ((coarse - middle) / (middle - fine)).log2();
     assert!((order - 2.0).abs() < 0.05, "{order}");
-    // A step of the host that is shorter than fem_step is one step.
+    // A step of the host that is shorter than fem_step is made as one step.
     assert_eq!(deviation(1.0, 1.0).to_bits(), deviation(1.0, 1e-3).to_bits());
 }
 
-/// Every Real output: name, largest value so far, largest difference so far.
+/// For every Real output: name, largest value and largest difference up to now.
 fn compare(one: &mut Run, other: &mut Run, seen: &mut Vec<(String, f64, f64)>) {
     let list = one.variables().list().to_vec();
     let outputs = list.iter().filter(|v| v.kind == Kind::Real && v.causality == Causality::Output);
@@ -87,24 +87,24 @@ fn every_output_tends_to_that_of_rigid_links() {
     let (soft, stiff) = (worst(10.0), worst(1000.0));
     for ((name, size, far), (.., near)) in soft.iter().zip(&stiff) {
         if name == "energy.drift" {
-            // Of some 1e4 J; 2nd order, and rounding in stiff rods.
+            // Relative to 1e4 J: error of 2nd order, and rounding in stiff rods.
             assert!(*far < 1e-3 && *near < 1e-2, "{name}: {far:e} {near:e}");
             continue;
         }
         if name.contains("acceleration") || name.starts_with("joint") {
-            // Newmark's method damps nothing: accelerations of vibrations that the step does not resolve change sign
-            // from step to step, in proportion to h^2.
+            // Newmark's method without damping: accelerations of vibrations that the step does not resolve change sign
+            // in each step, in proportion to h^2.
             assert!(*near < 5e-4 * size.max(1e-6), "{name}: {near:e} of {size:e}");
             continue;
         }
-        // The elastic part falls by a hundred; the rest is the step's, some 4e2 h^2 of the angles.
+        // The elastic part decreases by a factor of 100. The rest is the error of the step, some 4e2 h^2 of the angles.
         assert!(*near < 0.02 * far + 2e-6 * size.max(1e-3), "{name}: {far:e}, then {near:e} of {size:e}");
         assert!(*near < 1e-4 * size.max(1e-6), "{name}: {near:e} of {size:e}");
     }
 }
 
 #[test]
-fn outputs_follow_an_input_at_once() {
+fn outputs_follow_an_input_immediately() {
     let mut elastic = gear(1e5, 1e-4);
     let mut rigid = elastic.clone();
     rigid.set("solver.method", "reduced");
@@ -116,17 +116,17 @@ fn outputs_follow_an_input_at_once() {
     let mut seen = Vec::new();
     compare(&mut rigid, &mut elastic, &mut seen);
     for (name, size, differs) in seen.iter().filter(|(name, ..)| name != "energy.drift") {
-        // Vibrations that the step does not resolve take (h omega / 2)^-2 of the jump in the accelerations that the
-        // bodies would have without rods: 1e-5 of some 1e3 rad/s2.
+        // Accelerations of vibrations that the step does not resolve have an error of (h omega / 2)^-2 of the jump:
+        // 1e-5 of some 1e3 rad/s2.
         assert!(*differs < 1e-3 * size.max(1e-3), "{name}: {differs:e} of {size:e}");
     }
     let accelerations = ["crank.acceleration", "joint2.force"].map(|name| elastic.get(name));
     [&mut rigid, &mut elastic].into_iter().for_each(|model| model.step(0.05));
     assert_ne!(accelerations, ["crank.acceleration", "joint2.force"].map(|name| elastic.get(name)));
     let differs = rigid.get("crank.angle") - elastic.get("crank.angle");
-    // 4e2 h^2.
+    // The difference is some 4e2 h^2.
     assert!(differs.abs() < 4e-6, "{differs:e}");
-    // The work of the jump is booked: what is left is the step's error, of 1e4 J.
+    // The energy balance includes the work of the jump. The rest is the error of the step, relative to 1e4 J.
     assert!(elastic.get("energy.drift").abs() < 1.0, "{}", elastic.get("energy.drift"));
 }
 
@@ -142,7 +142,7 @@ fn a_whole_turn_is_counted_and_sigma_found() {
     let mut rigid = Run::new(&heavy).started();
     let mut elastic = rigid.clone().with(&[("solver.method", "rigid_fem")]).started();
     let start = rigid.get("crank.angle");
-    // One step of the host, over which sigma is followed through more than a turn.
+    // One step of the host, in which sigma increases by more than one turn.
     rigid.step(0.4);
     elastic.step(0.4);
     let turned = elastic.get("crank.angle") - start;
@@ -154,7 +154,7 @@ fn a_whole_turn_is_counted_and_sigma_found() {
 }
 
 #[test]
-fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
+fn laws_without_finite_elements_are_rejected_at_the_start() {
     for flag in ["friction.enabled", "air.relative_wind"] {
         let mut model = gear(1.0, 1e-5).with(&[(flag, true)]);
         let message = model.refusal();
@@ -189,8 +189,8 @@ fn laws_that_the_finite_elements_lack_are_refused_at_the_start() {
 }
 
 #[test]
-fn laws_that_begin_to_act_later_are_refused_in_that_step() {
-    // The up stop, at 0.1320598 s for rigid links.
+fn laws_that_become_active_later_are_rejected_in_that_step() {
+    // The up stop is reached at 0.1320598 s with rigid links.
     let mut model = gear(1.0, 1e-5).started();
     model.step(0.13);
     assert!(!model.is("retracted"));
@@ -200,22 +200,22 @@ fn laws_that_begin_to_act_later_are_refused_in_that_step() {
     let before = bits(&mut model);
     let message = model.0.step(5e-3).unwrap_err().to_string();
     let time: f64 = message.split("reaches this stop ").nth(1).unwrap().split(' ').next().unwrap().parse().unwrap();
-    // 1e-3 rad of stretch at 30 rad/s.
+    // A strain of 1e-3 rad at 30 rad/s.
     assert!(message.starts_with("upstop.angle = -1.3 rad: ") && (time - 0.002_059_8).abs() < 3e-5, "{message}");
     assert_eq!(bits(&mut model), before);
     model.step(1e-3);
 
-    // Pressed against the down stop from the start.
+    // The actuator presses the gear against the down stop from the start on.
     let mut model = gear(1.0, 1e-5).with(&[("actuator.force", -30_000.0)]).started();
     assert!(model.is("extended"));
     let message = model.0.step(1e-3).unwrap_err().to_string();
     assert!(message.starts_with("downstop.angle = 0.8 rad: "), "{message}");
-    // Away from it.
+    // The actuator moves the gear off the stop.
     let mut model = gear(1.0, 1e-5).started();
     assert!(model.is("extended"));
     model.step(1e-2);
     assert!(!model.is("extended"));
-    // Air that begins to flow.
+    // The airspeed becomes nonzero.
     model.set("airspeed", 1.0);
     assert!(model.0.step(1e-3).unwrap_err().to_string().starts_with("airspeed = 1: "));
     model.set("airspeed", 0.0);

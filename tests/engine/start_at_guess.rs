@@ -1,4 +1,4 @@
-//! A start that is the guess itself lies where the trace begins: between two panels, on a closed curve at its seam.
+//! A start at the guess is at the origin of the curve: between two panels, and on a closed curve at its seam.
 
 use crate::support::{JIB, SLIDER_CRANK};
 use linkage_fmu::simulation::Simulation;

@@ -1,4 +1,4 @@
-//! Friction that sticks: closed forms of stick-slip and of Coulomb's oscillator; rest that is exact; breakaway located.
+//! Static friction: closed forms of stick-slip and of Coulomb's oscillator, exact rest, located breakaway.
 use crate::support::definition::{self, G, With, friction, weight};
 use crate::support::numeric::simpson;
 use crate::support::{GEAR, Run, assert_says, refusal};
@@ -24,14 +24,14 @@ fn sticks(coefficients: [f64; 2], speeds: [f64; 2]) -> Value {
     friction(coefficients, speeds).with(json!({ "law": "stick" }))
 }
 
-/// What happened in steps, in words.
-fn told(run: &mut Run) -> Vec<String> {
+/// Texts of the occurrences in the last steps.
+fn messages(run: &mut Run) -> Vec<String> {
     run.take_occurrences(0.0).into_iter().map(|line| line.text).collect()
 }
 
-/// A block of mass m that a spring k pulls whose end moves at V: it sticks until the spring has the static friction
-/// F_s, slips for phi / omega with phi = 2 pi - 2 atan((F_s - F_d) omega / (k V)), by V phi / omega + 2 (F_s - F_d) /
-/// k, and sticks for 2 (F_s - F_d) / (k V).
+/// A block of mass m pulled by a spring k whose end moves at the speed V. It sticks until the spring force is the
+/// static friction F_s. It slips for phi / omega, with phi = 2 pi - 2 atan((F_s - F_d) omega / (k V)), over V phi /
+/// omega + 2 (F_s - F_d) / k. Then it sticks for 2 (F_s - F_d) / (k V).
 struct StickSlip {
     speed: f64,
     omega: f64,
@@ -58,7 +58,7 @@ impl StickSlip {
         self.speed * self.slip_time() + 2.0 * self.drop
     }
 
-    /// Position, speed, and whether it sticks, at a time.
+    /// Position, speed and whether the block sticks, at a time.
     fn at(&self, t: f64) -> (f64, f64, bool) {
         let first = self.rest / self.speed;
         let period = self.slip_time() + self.stick_time();
@@ -78,7 +78,8 @@ impl StickSlip {
     }
 }
 
-/// Stick-slip over many cycles, in steps of any size, against its closed form; each cycle breaks away and sticks once.
+/// Stick-slip over many cycles in steps of any size agrees with the closed form. The block breaks away and sticks once
+/// per cycle.
 #[test]
 fn stick_slip_follows_its_closed_form() {
     for (speed, steps) in [(0.1, 2000), (0.1, 77), (0.1, 20), (0.5, 400), (0.02, 100)] {
@@ -93,7 +94,7 @@ fn stick_slip_follows_its_closed_form() {
             run.set("pull.force_x", STIFFNESS * speed * f64::from(k) * h);
             run.set_derivative("pull.force_x", 1, STIFFNESS * speed);
             run.step(h);
-            events.extend(told(&mut run));
+            events.extend(messages(&mut run));
             run.set("pull.force_x", STIFFNESS * speed * f64::from(k + 1) * h);
             let (x, v, sticks) = exact.at(f64::from(k + 1) * h);
             worst = worst.max((run.get("slide.position") - x).abs()).max((run.get("slide.speed") - v).abs());
@@ -117,8 +118,8 @@ fn stick_slip_follows_its_closed_form() {
     }
 }
 
-/// Coulomb's oscillator: each half swing takes pi / omega and loses 2 F_d / k; it ends where the spring has less than
-/// the static friction, and stays there to the bit.
+/// Coulomb's oscillator: each half swing lasts pi / omega, and the amplitude decreases by 2 F_d / k. The block stops
+/// where the spring force is below the static friction, and then stays exactly at rest.
 #[test]
 fn an_oscillator_comes_to_rest() {
     let normal = MASS * G;
@@ -148,8 +149,8 @@ fn an_oscillator_comes_to_rest() {
     }
 }
 
-/// A block on a slope that static friction holds stays where it is to the bit for 1e6 s, without a step of the
-/// integration; its friction and its normal force balance its weight. On a steeper slope it slides as Coulomb says.
+/// On a slope that static friction can hold, the block stays exactly at rest for 1e6 s without any integration step.
+/// Its friction and its normal force balance its weight. On a steeper slope it slides with Coulomb friction.
 #[test]
 fn a_block_on_a_slope_does_not_creep() {
     let slope = f64::atan(0.29);
@@ -170,8 +171,8 @@ fn a_block_on_a_slope_does_not_creep() {
     assert!((run.get("slide.position") - way).abs() < 1e-11 && !run.is("friction.sticking"));
 }
 
-/// The gear sticks between its two breakaway forces and breaks away where a rising force of the drive meets one,
-/// whatever the steps; meanwhile the joints carry friction within their static limits, and the reactions balance the
+/// The gear sticks between its two breakaway forces. Under a rising drive force it breaks away at one of them, for any
+/// step size. While it sticks, the friction in the joints is within its static limits, and the reactions balance the
 /// loads.
 #[test]
 fn the_gear_sticks_between_its_breakaway_forces() {
@@ -203,7 +204,7 @@ fn the_gear_sticks_between_its_breakaway_forces() {
             }
         }
     }
-    // A force that rises from the middle of the range meets the forward one after a second.
+    // A force that rises from the middle of the range reaches the forward breakaway force after 1 s.
     let (middle, rate) = (0.5 * (forward + backward), 0.5 * (forward - backward));
     for steps in [1, 3, 100] {
         for (late, sticks) in [(-1e-9, true), (1e-7, false)] {
@@ -219,14 +220,14 @@ fn the_gear_sticks_between_its_breakaway_forces() {
     }
 }
 
-/// A Stribeck curve: with V_S and V_d the coefficient falls from mu_S to mu_d; the work of friction agrees.
+/// Stribeck curve: between V_S and V_d the coefficient falls from mu_S to mu_d. The work of friction agrees with it.
 #[test]
 fn friction_falls_along_its_stribeck_curve() {
     let mut definition = block(0.0, 0.0);
     definition["friction"]["kinetic_speed"] = json!(1.0);
     definition["start"]["speed"] = json!(0.5);
     let mut run = Run::new(&definition).started();
-    // Half way the cubic step is half way.
+    // In the middle of the cubic transition the coefficient has its mean value.
     let friction = run.get("slide.friction_force");
     assert!((friction + 0.5 * (MU_S + MU_D) * MASS * G).abs() < 1e-12, "{friction}");
     run.step(1.0);
@@ -237,7 +238,7 @@ fn friction_falls_along_its_stribeck_curve() {
     run.near("slide.position", simpson(|v| v / (mu(v) * G), 0.0, 0.5, 2000), 1e-11);
 }
 
-/// A block that bounces on a stop with friction, sticks at the stop while pressed and lets go beyond static friction.
+/// A block bounces on a stop with friction, sticks at the stop while pressed, and breaks away above static friction.
 #[test]
 fn a_stop_and_friction_hold_together() {
     let mut definition = block(0.0, 0.0);
@@ -245,7 +246,7 @@ fn a_stop_and_friction_hold_together() {
     definition["start"]["speed"] = json!(2.0);
     let mut run = Run::new(&definition).started();
     run.step(10.0);
-    // v^2 = 4 - 2 mu g 0.5 at the stop, then a quarter of it over 2 mu g.
+    // At the stop v^2 = 4 - 2 mu g 0.5. After the impact a quarter of v^2 gives the distance v^2 / (2 mu g).
     let back = 0.25 * (4.0 - 2.0 * MU_D * G * 0.5) / (2.0 * MU_D * G);
     let x = run.get("slide.position");
     assert!((x - (0.5 - back)).abs() < 1e-10 && run.is("friction.sticking"), "{x}");
@@ -264,9 +265,8 @@ fn a_stop_and_friction_hold_together() {
     }
 }
 
-/// A block is pushed along a rail while its weight turns up and down again: the normal force passes 0, and the block
-/// slips, sticks and slips again in one step. At rest, a limit on the step that its last slip needed has no meaning any
-/// more.
+/// A block is pushed along a rail while its weight reverses twice: the normal force passes 0, and the block slips,
+/// sticks and slips again in one step. At rest a limit on the step from the last slip no longer applies.
 #[test]
 fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
     let position = |tolerance: f64| {
@@ -290,15 +290,15 @@ fn a_block_whose_weight_turns_sticks_and_slips_in_one_step() {
     }
 }
 
-/// Less static than kinetic friction is refused where the law sticks.
+/// A static coefficient below the kinetic coefficient is rejected if the friction law sticks.
 #[test]
-fn static_below_kinetic_friction_is_refused() {
+fn static_below_kinetic_friction_is_rejected() {
     let mut definition = block(0.0, 0.0);
     definition["friction"]["static_coefficient"] = json!(0.1);
     assert_says(refusal(definition), &["friction.static_coefficient", "0.1", "0.2", "stick"]);
 }
 
-/// A host with event mode is told of each change between sticking and slipping, at its instant.
+/// A host with event mode gets an event at each change between sticking and slipping, at the instant of the change.
 #[test]
 fn steps_pause_where_the_block_sticks_and_breaks_away() {
     let (speed, span) = (0.1, 6.0);
@@ -324,7 +324,7 @@ fn steps_pause_where_the_block_sticks_and_breaks_away() {
     assert_eq!(changes.len(), expected.len(), "{changes:?}");
     for ((t, sticks), (exact, expected)) in changes.into_iter().zip(expected) {
         assert!((t - exact).abs() < 1e-10, "{t}, not {exact}");
-        // At breakaway the loads are at the end of the range, on either side of it by rounding.
+        // At breakaway the loads are at the end of the range of static friction, inside or outside by rounding.
         assert!(sticks || !expected);
     }
 }

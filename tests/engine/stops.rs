@@ -1,4 +1,4 @@
-//! Stops, bumpers and locks: impacts, rest, what holds, and the energy.
+//! Stops, bumpers and locks: impacts, rest, holding forces, and energy.
 
 use crate::support::definition::{With, block, weight};
 use crate::support::{Run, SLIDER_CRANK, assert_says, changed, read_all, refusal};
@@ -18,7 +18,7 @@ fn gear(values: &[(&str, f64)]) -> Run {
     Run::gear().with(values).started()
 }
 
-/// The gear without its up stop, where that would be.
+/// The gear without its up stop, at the position of the up stop.
 fn at_up_stop(values: &[(&str, f64)]) -> Run {
     Run::gear().with(&[("upstop.enabled", false)]).with(&[("crank.start_angle", -1.3)]).with(values).started()
 }
@@ -31,14 +31,14 @@ fn the_gear_is_up_and_stays_there() {
     assert!(gear.is("retracted") && !gear.is("extended"));
     assert!((gear.get("crank.angle") + 1.3).abs() < 1e-13, "{}", gear.get("crank.angle"));
     assert_eq!((gear.get("crank.speed"), gear.get("crank.acceleration")), (0.0, 0.0));
-    // The actuator presses: the stop pushes back, anticlockwise.
+    // The actuator presses against the stop. The stop torque acts anticlockwise.
     assert!(gear.get("upstop.torque") > 0.0);
     assert!(gear.get("energy.drift").abs() < 1e-4, "{}", gear.get("energy.drift"));
 }
 
-/// Virtual work at rest: the stop's torque balances what the actuator gives beyond its holding force.
+/// Virtual work at rest: the torque of the stop balances the excess of the actuator force over the holding force.
 #[test]
-fn a_stop_takes_what_the_actuator_gives_too_much() {
+fn a_stop_carries_the_excess_force_of_the_actuator() {
     let mut gear = gear(&[]);
     gear.step(0.2);
     let (force, holding) = (30_000.0, gear.get("actuator.holding_force"));
@@ -48,7 +48,7 @@ fn a_stop_takes_what_the_actuator_gives_too_much() {
     assert!((gear.get("upstop.torque") - expected).abs() < 1e-9 * expected.abs(), "{expected}");
 }
 
-/// The reactions of a gear held by its stop are those of the gear at rest under the same torque from outside.
+/// A gear held by its stop has the same reactions as the gear at rest under an equal external torque.
 #[test]
 fn reactions_at_a_stop_are_those_under_its_torque() {
     let mut gear = gear(&[]);
@@ -59,7 +59,7 @@ fn reactions_at_a_stop_are_those_under_its_torque() {
     same_reactions(&mut gear, &mut same);
 }
 
-/// Held by its uplock at the wheel, the gear is in the state of one that a force at the wheel holds.
+/// A gear held by its uplock at the wheel has the same state as a gear held by a force at the wheel.
 #[test]
 fn a_lock_holds_by_a_force_at_its_point() {
     let mut gear = gear(&[]);
@@ -71,7 +71,7 @@ fn a_lock_holds_by_a_force_at_its_point() {
     assert_eq!((gear.get("upstop.torque"), gear.get("crank.speed")), (0.0, 0.0));
     let force = gear.get("uplock.force");
     assert!(force > 0.0);
-    // Backward motion at 1 rad/s shows the direction of the wheel's path.
+    // The velocity of the wheel shows the direction of its path.
     let free = ("actuator.force", 0.0);
     let mut moving = at_up_stop(&[free, ("crank.start_speed", -1.0)]);
     let path = [moving.get("wheel.velocity_x"), moving.get("wheel.velocity_y")];
@@ -80,14 +80,14 @@ fn a_lock_holds_by_a_force_at_its_point() {
     let mut same = at_up_stop(&[free, pull[0], pull[1]]);
     assert!(same.get("crank.acceleration").abs() < 1e-9, "{}", same.get("crank.acceleration"));
     same_reactions(&mut gear, &mut same);
-    // Let go, it falls.
+    // After the release the gear falls.
     gear.set("uplock.engage", false);
     assert!(gear.get("crank.acceleration") > 0.0);
     gear.step(0.05);
     assert!(!gear.is("retracted") && gear.get("crank.speed") > 0.0);
 }
 
-/// The impact at the reference time: PHYSICS, theta2 = -1.3 at 0.13205985274425970 s with omega = -30.257773253560312.
+/// PHYSICS: theta2 = -1.3 at 0.13205985274425970 s with omega = -30.257773253560312.
 #[test]
 fn the_impact_is_located() {
     let tight = [("solver.tolerance", 1e-12), ("upstop.restitution", 0.5)];
@@ -96,10 +96,10 @@ fn the_impact_is_located() {
     gear.step(hit + after);
     let mut late = at_up_stop(&[tight[0], ("crank.start_speed", 0.5 * 30.257773253560312)]);
     late.step(after);
-    // An error of 1e-10 s in the impact's time would be 4.5e-9 rad here.
+    // An error of 1e-10 s in the impact's time would give 4.5e-9 rad here.
     let miss = (gear.get("crank.angle") - late.get("crank.angle")).abs();
     assert!(miss < 1e-11, "{miss:e}");
-    // However the steps are cut.
+    // The impact does not depend on the division into steps.
     let mut cut = Run::gear().with(&tight).started();
     cut.steps(1000, hit + after);
     assert!((gear.get("crank.angle") - cut.get("crank.angle")).abs() < 1e-11);
@@ -107,7 +107,7 @@ fn the_impact_is_located() {
 
 #[test]
 fn a_dropped_gear_comes_to_rest_on_its_down_stop() {
-    // Pulled to the down stop by the actuator from a little above.
+    // The actuator pulls the gear from slightly above onto the down stop.
     let mut gear = gear(&[("crank.start_angle", 0.5), ("actuator.force", -20_000.0), ("downstop.restitution", 0.5)]);
     let start = gear.get("actuator.length");
     let mut bounces = 0;
@@ -127,7 +127,7 @@ fn a_dropped_gear_comes_to_rest_on_its_down_stop() {
     assert!(gear.statistics().evaluations - evaluations < 100, "rest costs nothing");
 }
 
-/// The heights of an elastic bounce are alike; with e < 1 they fall by e^2 (constant deceleration near the stop).
+/// An impact with the restitution 1 conserves the energy.
 #[test]
 fn an_elastic_stop_gives_everything_back() {
     let drop = [("crank.start_angle", 0.6), ("actuator.force", -20_000.0), ("downstop.restitution", 1.0)];
@@ -154,7 +154,7 @@ fn a_bumper_holds_by_its_spring() {
     assert!(pressed > 0.0 && gear.get("crank.speed").abs() < 1e-6, "{pressed} {}", gear.get("crank.speed"));
     assert!((gear.get("upstop.torque") - 5e6 * pressed).abs() < 1e-6 * 5e6 * pressed);
     assert!(gear.get("energy.drift").abs() < 1e-4, "{}", gear.get("energy.drift"));
-    // A bumper without damping gives the energy back; it never pulls.
+    // A bumper without damping returns its energy. It never pulls.
     let mut gear = Run::gear()
         .with(&[("downstop.rigid", false)])
         .with(&[("crank.start_angle", 0.6), ("actuator.force", -20_000.0), ("downstop.stiffness", 5e5)])
@@ -171,9 +171,9 @@ fn a_bumper_holds_by_its_spring() {
     assert!(highest > 0.8);
 }
 
-/// A lock catches at a bumper too, at its undeformed position.
+/// A lock catches at a bumper too, at the undeformed position of the bumper.
 #[test]
-fn a_lock_catches_what_comes_to_a_bumper() {
+fn a_lock_engages_at_a_bumper() {
     for damping in [0.0, 3e3] {
         let values = [("upstop.angle", -1.1), ("upstop.stiffness", 1e5), ("upstop.damping", damping)];
         for steps in [1, 20, 400] {
@@ -188,7 +188,7 @@ fn a_lock_catches_what_comes_to_a_bumper() {
     }
 }
 
-/// Two stops at one position, or closer than a start is distinguished from a stop, leave no travel.
+/// Two stops at one position, or closer together than the tolerance of a start, leave no travel.
 #[test]
 fn stops_at_one_position_hold_whatever_pushes() {
     for (gap, restitution) in [(0.0, 0.0), (0.0, 1.0), (5e-11, 0.5)] {
@@ -208,7 +208,7 @@ fn stops_at_one_position_hold_whatever_pushes() {
                     gear.step(0.01);
                     let (now, speed_now) = (gear.get("crank.angle"), gear.get("crank.speed"));
                     assert!((now - angle).abs() < 1e-15 && speed_now == 0.0, "{force} {speed}: {now} {speed_now}");
-                    // Rounding of the work that is booked when a force of 3e4 N over less than 1 m turns round.
+                    // Rounding of the work when a force of 3e4 N over less than 1 m reverses.
                     assert!(gear.get("energy.drift").abs() <= 3e4 * f64::EPSILON);
                     let [up, down] = ["upstop.torque", "downstop.torque"].map(|name| gear.get(name));
                     assert!((up != 0.0) != (down != 0.0), "one holds: {up} {down}");
@@ -229,7 +229,7 @@ fn a_step_may_be_as_long_as_time_is() {
     }
 }
 
-/// A flight whose height is rounding of the position is rest; it once ended the step below the stop.
+/// A flight with a height within the rounding of the position counts as rest, and must not end beyond the stop.
 #[test]
 fn a_flight_within_rounding_is_rest() {
     for speed in [-1e-3, -1e-5, -1e-7, -1e-9, -1e-11, -1e-13] {
@@ -247,7 +247,7 @@ fn a_flight_within_rounding_is_rest() {
 }
 
 #[test]
-fn contradicting_settings_are_refused() {
+fn contradictory_settings_are_rejected() {
     for (values, fragments) in [
         (&[("crank.start_angle", 0.9)][..], &["downstop.angle = 0.8", "0.9", "enabled"][..]),
         (&[("upstop.angle", 0.85)], &["upstop.angle = 0.85", "0.8"]),
@@ -274,7 +274,7 @@ fn contradicting_settings_are_refused() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// Drops and locks at random: no missed contact, no energy gained, rest when pressed.
+    /// Random drops and locks: no missed contact, no gain of energy, rest when pressed.
     #[test]
     fn drops_and_locks_never_gain_energy(
         start in -1.29..0.79f64,
@@ -306,7 +306,7 @@ proptest! {
             }
             read_all(&mut gear);
             let after = total(&mut gear);
-            // The tolerance 1e-9 of the energies at play, some 1e4 J, times the number of flights.
+            // The tolerance 1e-9 of the energies of some 1e4 J, times the number of flights.
             prop_assert!(after <= before + 1e-3, "gained {}", after - before);
             prop_assert!(gear.get("energy.drift").abs() < 1e-2, "drift {}", gear.get("energy.drift"));
             if held {
@@ -316,9 +316,9 @@ proptest! {
     }
 }
 
-/// A crank that turns has no end of travel at a stop which no number of revolutions reaches: the search for it ends.
+/// A rotating crank has no end of travel at a stop that no number of revolutions reaches. The search for the stop ends.
 #[test]
-fn a_stop_beyond_all_numbers_is_never_met() {
+fn a_stop_beyond_all_numbers_is_never_reached() {
     for angle in [1e17, 1e100] {
         let mut crank = Run::new(changed(SLIDER_CRANK, |m| {
             m["stops"] = json!({ "far": { "body": "crank", "limit": "upper", "angle": angle } });
@@ -329,7 +329,7 @@ fn a_stop_beyond_all_numbers_is_never_met() {
     }
 }
 
-/// A block of 2 kg that stands on rubber of 10 kN/m: it sinks in by m g / k = 1.962 mm.
+/// A block of 2 kg on rubber of 10 kN/m: its static deflection is m g / k = 1.962 mm.
 #[test]
 fn a_mechanism_may_start_on_its_bumper() {
     const DEPTH: f64 = 2.0 * 9.81 / 1e4;
@@ -349,7 +349,7 @@ fn a_mechanism_may_start_on_its_bumper() {
     ] {
         let mut run = Run::new(on_rubber(start.clone())).started();
         for _ in 0..10 {
-            // The tolerance of positions is relative to 1 rad, which is 1 m here.
+            // The tolerance of positions is relative to 1 rad, here 1 m.
             assert!((run.get("slide.position") + DEPTH).abs() < 1e-8, "{start}: {}", run.get("slide.position"));
             assert!((run.get("rubber.force") - 2.0 * 9.81).abs() < 1e-4 && run.is("rubber.reached"), "{start}");
             run.step(0.1);
@@ -361,7 +361,7 @@ fn a_mechanism_may_start_on_its_bumper() {
             "{only:?}"
         );
     }
-    // From half of the depth it sinks as a damped oscillator does.
+    // From half of the deflection the block moves like a damped oscillator.
     let mut run = Run::new(on_rubber(json!({ "joint": "slide", "position": -0.5 * DEPTH }))).started();
     let (rate, omega) = (12.5, (5e3f64 - 12.5 * 12.5).sqrt());
     for k in 1..=20 {
@@ -372,7 +372,7 @@ fn a_mechanism_may_start_on_its_bumper() {
         assert!((run.get("slide.position") - exact).abs() < 1e-8, "{k}: {} {exact}", run.get("slide.position"));
     }
     assert!(run.get("energy.drift").abs() < 1e-8);
-    // A rigid stop is not passed.
+    // A start beyond a rigid stop is rejected.
     let beyond = on_rubber(json!({ "joint": "slide", "position": -0.011 }));
     assert_says(refusal(beyond), &["end.position", "beyond this stop"]);
 }

@@ -1,5 +1,5 @@
-//! Kept tables: an instance that takes them is the instance that makes them, to the bit, and no file of tables can harm
-//! it.
+//! Stored tables: an instance that reads them is bit-identical to an instance that computes them, and no file of tables
+//! can do harm.
 use crate::support::{CURVES, GEAR, changed};
 use linkage_fmu::codec::sections::{self, Sections};
 use linkage_fmu::component::{Component, MECHANISM};
@@ -19,7 +19,7 @@ fn committed() -> Vec<String> {
     folders.filter_map(|file| fs::read_to_string(file).ok()).collect()
 }
 
-/// Bits of every Real after the start and after each of three steps, with one Boolean parameter switched.
+/// Bits of every Real after the start and after each of three steps, after one Boolean parameter has changed.
 fn history(mut model: Component, switched: Option<u32>) -> Vec<Option<u64>> {
     let list = model.interface().list().to_vec();
     if let Some(flag) = switched {
@@ -63,14 +63,14 @@ fn kept_tables_change_no_bit() {
     assert!(kept >= 6, "{kept} mechanisms with tables");
 }
 
-/// No curve is traced and no table is made.
+/// An instance with stored tables traces no curve and computes no table.
 #[test]
-fn an_instance_with_tables_takes_them() {
+fn an_instance_with_stored_tables_uses_them() {
     let made = Model::from_json(GEAR).unwrap();
     let mut all = made.sections();
-    // A table that is not the gear's own: were it made anew, nobody would see the difference.
+    // The stored table is modified. If the instance computed the table again, the modification would disappear.
     let reactions = all.iter().position(|(name, _)| name == "reactions 2").unwrap();
-    // The lowest byte of a coefficient of the first table, behind the number of tables and a flag.
+    // The lowest byte of a coefficient of the first table, after the number of tables and a flag.
     all[reactions].1[8 * 100 + 1] ^= 1;
     let bytes = sections::encode(0, &all);
     let sections = Sections::of_bytes(bytes.into(), 0).unwrap();
@@ -79,7 +79,7 @@ fn an_instance_with_tables_takes_them() {
 }
 
 #[test]
-fn tables_of_another_text_are_refused() {
+fn tables_of_another_text_are_rejected() {
     let made = Component::from_definition(FILE, GEAR).unwrap();
     let edited = GEAR.replacen("0.", "0.0", 1);
     assert_ne!(edited, GEAR);
@@ -87,7 +87,7 @@ fn tables_of_another_text_are_refused() {
     assert!(refusal.0.contains("tables.bin belongs to another definition"), "{refusal}");
 }
 
-/// Whatever a section holds, with a right check sum: the model is made, and it answers.
+/// For any content of a section with a valid check sum, the model is created and the calls return.
 #[test]
 fn no_section_can_harm() {
     let whole = Model::from_json(GEAR).unwrap().sections();
@@ -102,7 +102,7 @@ fn no_section_can_harm() {
         match case % 3 {
             0 => bytes.truncate(random(bytes.len())),
             1 => (0..1 + random(4)).for_each(|_| {
-                // Most lengths and flags are near the beginning.
+                // Most lengths and flags are near the start.
                 let at = random(bytes.len()).min(random(bytes.len()));
                 bytes[at] ^= 1 << random(8);
             }),

@@ -1,4 +1,4 @@
-//! Travel without limits: an open curve goes on where the motion goes, and a limit on one side leaves the other one
+//! Travel without limits: an open curve extends as far as the motion, and a limit on one side leaves the other side
 //! free.
 
 use crate::support::definition::{G, With, block, friction, pin, rod, slide, weight};
@@ -8,7 +8,7 @@ use linkage_fmu::mechanism::reduced::Reduced;
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 
-/// A carriage of 20 mm on a straight rail, with a force along the rail and further keys.
+/// A carriage of 20 mm on a straight rail, with a force along the rail and these additional keys.
 fn carriage(further: Value) -> Value {
     let carriage = block(3.0).with(json!({
         "bodies": { "block": { "length": 0.02, "inertia": 0.01 } }, "actuators": { "push": { "joint": "slide" } },
@@ -17,7 +17,7 @@ fn carriage(further: Value) -> Value {
     carriage.with(further)
 }
 
-/// A block that slides down a slope of 30 degrees, with friction that does not depend on the speed above 0.1 m/s.
+/// A block on a slope of 30 degrees, with friction that is independent of the speed above 0.1 m/s.
 fn on_slope() -> Value {
     block(2.0).with(json!({
         "gravity": weight(), "friction": friction([0.2, 0.2], [0.01, 0.1]),
@@ -26,7 +26,7 @@ fn on_slope() -> Value {
     }))
 }
 
-/// An arm about the origin through a block on a vertical rail at x = 1: its angle is the arc tangent of the block's
+/// An arm about the origin through a block on a vertical rail at x = 1. Its angle is the arc tangent of the block's
 /// height.
 fn arm(further: Value) -> Value {
     let arm = json!({
@@ -42,7 +42,7 @@ fn arm(further: Value) -> Value {
     arm.with(further)
 }
 
-/// Two carriages of which one draws the other by a rod: a loop that is far from the origin as a whole.
+/// Two carriages connected by a rod: a loop that moves far away from the origin.
 fn train() -> Value {
     json!({
         "name": "Train",
@@ -55,7 +55,7 @@ fn train() -> Value {
     })
 }
 
-/// Number of stretches made so far; positions closed to trace them; panels of the influences on them.
+/// Number of computed stretches, of loop closures for tracing them, and of panels of the influences.
 fn made(run: &mut Run) -> [usize; 3] {
     let reduced = run.reduced().unwrap();
     let all = || std::iter::once(&**reduced).chain(reduced.stretches());
@@ -78,7 +78,7 @@ fn a_carriage_moves_a_million_metres() {
         }
         let after = made(&mut run);
         println!("{before:?} {after:?}");
-        // 5e7 sizes are 1e2 times 8^7; a straight stretch has a few panels.
+        // 5e7 sizes of the mechanism are 1e2 times 8^7. A straight stretch has a few panels.
         assert_eq!(after[0], 8);
         assert!(after[1] - before[1] < 7 * 60 && after[2] - before[2] <= 7 * 4, "{before:?} {after:?}");
     }
@@ -94,7 +94,7 @@ fn a_pushed_carriage_and_one_on_a_spring_move_as_in_closed_form() {
         assert!(error <= 1e-14 * exact, "{k}: {error:e} m");
         assert!(run.get("energy.drift").abs() <= 1e-13 * run.get("energy.kinetic"));
     }
-    // Over the borders of stretches and back, many times; with and without energy lost.
+    // Many times across the borders of stretches and back, with and without damping.
     for damping in [0.0, 0.02] {
         let spring = json!({ "joint": "slide", "stiffness": 12, "damping": damping });
         let mut run =
@@ -152,7 +152,7 @@ fn a_guess_is_as_good_as_any_other() {
             (far.get("slide.position") - near.get("slide.position") - 150.0).abs() < 1e-12 * far.get("slide.position")
         );
     }
-    // A start far from the guess, on both sides.
+    // Starts far from the guess, on both sides.
     for position in [1234.5, -1234.5, 1e6] {
         far.place(("slide.start_position", position), ("slide.start_speed", 0.0));
         assert!((far.get("slide.position") - position).abs() < 1e-15 * position.abs());
@@ -195,7 +195,7 @@ fn a_train_keeps_together_far_away() {
     }
 }
 
-/// A stop on the crank alone: it may turn away from it for ever, whichever way that is along the curve.
+/// With a single stop the crank may turn away from the stop without end, in either direction of the curve.
 #[test]
 fn a_crank_turns_away_from_its_one_stop_for_many_turns() {
     for (limit, value, side) in [("upper", -1.0, -1.0), ("lower", -2.0, 1.0)] {
@@ -221,7 +221,7 @@ fn a_crank_turns_away_from_its_one_stop_for_many_turns() {
             assert!((a - b).abs() < 1e-6 * b.abs(), "{a} {b}");
         }
         assert!(free.get("crank.angle").abs() > 1000.0, "{}", free.get("crank.angle"));
-        // Back against the stop, over all those turns: it is found where it is.
+        // Back over all turns: the crank stops at the stop.
         stopped.set("drive.torque", -3000.0 * side);
         for _ in 0..100 {
             stopped.step(0.1);
@@ -246,9 +246,9 @@ fn a_four_bar_turns_away_from_its_one_stop() {
     }
 }
 
-/// A rigid stop far beyond the part of the curve that is traced at first.
+/// A rigid stop far beyond the first stretch of the curve.
 #[test]
-fn a_far_stop_is_met() {
+fn a_far_stop_is_reached() {
     let elastic = json!({ "joint": "slide", "restitution": 1 });
     let stop = |limit: &str, at: f64| elastic.clone().with(json!({ "limit": limit, "position": at }));
     for is_between in [false, true] {
@@ -272,7 +272,7 @@ fn a_far_stop_is_met() {
     let mut run = Run::new(carriage(json!({ "stops": { "buffer": buffer } })));
     run.place(("slide.start_position", 0.0), ("slide.start_speed", 100.0));
     run.step(5.05);
-    // Half a period in the bumper, of sqrt(1200 / 3) = 20 rad/s.
+    // Half a period in the bumper, with omega = sqrt(1200 / 3) = 20 rad/s.
     let exact = 500.0 + 5.0 * f64::sin(1.0);
     assert!((run.get("slide.position") - exact).abs() < 1e-6, "{} {exact}", run.get("slide.position"));
     run.step(10.0);
@@ -280,14 +280,14 @@ fn a_far_stop_is_met() {
     assert!((run.get("slide.position") - exact).abs() < 1e-5, "{} {exact}", run.get("slide.position"));
 }
 
-/// Bits of all that is told of a state.
+/// Bits of outputs of all kinds.
 fn bits(run: &mut Run) -> Vec<u64> {
     let names = ["rail.position", "rail.speed", "arm.angle", "arm.speed", "pin.force", "push.required_force"];
     names.iter().map(|name| run.get(name).to_bits()).collect()
 }
 
 #[test]
-fn twins_agree_to_the_bit_whatever_they_have_traced() {
+fn models_with_different_traced_parts_are_bit_identical() {
     let spring = json!({
         "springs": { "spring": { "joint": "rail", "stiffness": 0.004, "damping": 0.001 } },
         "friction": { "enabled": true, "static_coefficient": 0.02, "kinetic_coefficient": 0.01 },
@@ -307,12 +307,12 @@ fn twins_agree_to_the_bit_whatever_they_have_traced() {
             seen.push(bits(&mut one));
         }
         assert!(made(&mut one)[0] >= 3, "{:?}", made(&mut one));
-        // A fresh instance takes up any state, through a record, and goes on as the one that saved it.
+        // A new instance restores any saved state and continues like the instance that saved it.
         for k in [35, 12, 20, 3] {
             let mut fresh = Run::new(&text).started();
             fresh.take(&saved[k]);
             assert_eq!(bits(&mut fresh), seen[k]);
-            // One that has been elsewhere, on the other side.
+            // An instance that has moved to the other side restores the state too.
             other.place(("rail.start_position", -5000.0), ("rail.start_speed", -3.0));
             other.set("push.force", -1.0);
             other.step(1.0);
@@ -332,11 +332,11 @@ fn twins_agree_to_the_bit_whatever_they_have_traced() {
 }
 
 #[test]
-fn an_absurd_state_is_refused() {
+fn an_absurd_state_is_rejected() {
     let mut run = Run::new(arm(json!({}))).started();
     run.step(0.1);
     let sigma = run.saved();
-    // sigma is the number that is changed by motion alone: find it by a second record, and replace it.
+    // sigma is somewhere in the bytes: every position is overwritten with absurd numbers.
     let before = bits(&mut run);
     let mut refused = 0;
     for at in 0..sigma.len() - 8 {
@@ -380,7 +380,7 @@ fn a_motion_beyond_all_numbers_ends_with_an_error() {
     assert_says(refusal, &["rail.start_position", "cannot be reached"]);
 }
 
-/// Far out nothing but the state decides what is told: values with and without tables, and derivatives.
+/// Far from the guess the outputs depend only on the state: with and without tables, and in their derivatives.
 #[test]
 fn far_out_the_tables_agree_with_the_exact_evaluator() {
     let [mut with, mut without] = [true, false].map(|tables| {
@@ -405,8 +405,8 @@ fn far_out_the_tables_agree_with_the_exact_evaluator() {
     }
 }
 
-/// A guess beyond a stop names the branch. The motion is that from a guess within the travel, and so is the length of
-/// the curve that is traced; from a guess far beyond, the whole curve is.
+/// A guess beyond a stop selects the branch. The motion and the length of the traced curve are the same as for a guess
+/// within the travel. For a guess far beyond, the whole curve is traced.
 #[test]
 fn a_guess_beyond_a_stop_names_the_branch() {
     let stated = r#""guess": { "crank": 0.8, "#;
@@ -422,7 +422,7 @@ fn a_guess_beyond_a_stop_names_the_branch() {
         let (panels, of_travel) = (reduced.influence().panels(), within.influence().panels());
         assert_eq!(panels < of_travel + 4, is_near, "guess {guess}: {panels} panels, within the travel {of_travel}");
         if !is_near {
-            // It is closed on another branch.
+            // This guess closes on another branch.
             continue;
         }
         let mut run = Run::new(&text);

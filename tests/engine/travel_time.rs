@@ -1,4 +1,4 @@
-//! The time of travel by the energy integral: closed forms, and the steps of the integration.
+//! The time of travel by the energy integral, against closed forms and the steps of the integration.
 use crate::support::GEAR;
 use linkage_fmu::simulation::{Simulation, SimulationError};
 use serde_json::json;
@@ -23,7 +23,7 @@ fn a_rod_falls_in_a_quarter_of_its_period() {
         "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 },
     });
     let of = started(&rod.to_string()).travel_time("down", &["load_factor"], &[1.0]).unwrap().unwrap();
-    // Upwards it does not fall, and without weight it stays.
+    // With gravity upwards or without gravity the rod does not fall.
     let factors = [1.0, 4.0, 0.01, -1.0, 0.0, f64::NAN, 1e300, f64::INFINITY];
     let mut times = [0.0_f64; 8];
     of.times(&factors, &mut times);
@@ -36,8 +36,8 @@ fn a_rod_falls_in_a_quarter_of_its_period() {
     }
 }
 
-/// Gear: for forces and load factors in a range, times agree with steps at the least tolerance; outside and where the
-/// actuator is too weak there is none, or the right one. A time does not depend on the others.
+/// For many forces and load factors the times agree with steps at the smallest tolerance. Outside of the range, and for
+/// too small forces, there is no time or the right one. A time does not depend on the other elements of the call.
 #[test]
 fn times_are_those_of_the_steps() {
     let mut gear = started(GEAR);
@@ -69,7 +69,7 @@ fn times_are_those_of_the_steps() {
     assert!(found > 15, "{found}");
 }
 
-/// Losses, a start in motion, a bumper, a lock that holds, an input that sizes no load: the integral gives no time.
+/// The integral is not offered for losses, a start in motion, a bumper, a lock that holds, or an input that is no load.
 #[test]
 fn where_the_integral_does_not_hold_there_is_no_function() {
     let of = |gear: &Simulation, inputs: &[&str]| gear.travel_time("retracted", inputs, &[3e4]).unwrap();
@@ -78,7 +78,7 @@ fn where_the_integral_does_not_hold_there_is_no_function() {
     assert!(of(&gear, &["airspeed"]).is_none());
     assert!(of(&gear, &["crank.mass"]).is_none());
     assert!(gear.travel_time("crank.angle", &["actuator.force"], &[3e4]).unwrap().is_none());
-    // Too weak.
+    // This force is too small.
     assert!(gear.travel_time("retracted", &["actuator.force"], &[1e3]).unwrap().is_none());
     type Change = fn(&mut Simulation) -> Result<(), SimulationError>;
     let changes: [Change; 5] = [
@@ -91,7 +91,7 @@ fn where_the_integral_does_not_hold_there_is_no_function() {
     for (k, change) in changes.iter().enumerate() {
         let mut other = started(GEAR);
         change(&mut other).unwrap();
-        // The bumper has no stiffness yet.
+        // A bumper needs a stiffness.
         other.set("upstop.stiffness", 1e6).unwrap();
         other.initialize().unwrap();
         assert!(of(&other, &["actuator.force"]).is_none(), "change {k}");

@@ -1,4 +1,5 @@
-//! Parameters that change between two steps: against runs that begin with their values, and what a refusal leaves.
+//! Parameters that change between two steps: against runs that start with the new values. A rejected value leaves no
+//! trace.
 use crate::support::{GEAR, Run};
 use linkage_fmu::variables::Variability;
 
@@ -36,7 +37,7 @@ fn the_tunable_parameters_are_those_of_laws_and_of_the_integration() {
     }
 }
 
-/// Tuned before the first step, a run is the one that begins with the values.
+/// Values set before the first step act like start values.
 #[test]
 fn values_set_before_the_first_step_are_those_of_the_start() {
     let values = [("friction.static_coefficient", 0.3), ("friction.kinetic_coefficient", 0.25), ("air.density", 0.7)];
@@ -52,7 +53,7 @@ fn values_set_before_the_first_step_are_those_of_the_start() {
     }
 }
 
-/// A run with a change in its midst goes on as one that begins there, with the new values.
+/// A run with a change continues like a run that starts at the change with the new values.
 #[test]
 fn a_change_within_a_run_leaves_the_motion_and_changes_the_laws() {
     let values = [("friction.kinetic_coefficient", 0.4), ("friction.static_coefficient", 0.5), ("air.density", 2.5)];
@@ -66,16 +67,16 @@ fn a_change_within_a_run_leaves_the_motion_and_changes_the_laws() {
     let mut begun = gear(&[&values[..], &start[..]].concat());
     for _ in 0..6 {
         [&mut tuned, &mut begun, &mut plain].into_iter().for_each(|gear| run(gear, 10));
-        // The start is given to 1e-16, and the tolerance of both runs is 1e-12.
+        // The rounding of the start is 1e-16, the tolerance of both runs 1e-12.
         assert!(difference(&mut tuned, &mut begun, "crank.angle") < 1e-10);
         assert!(tuned.get("energy.drift").abs() < 1e-6);
     }
     assert!(difference(&mut tuned, &mut plain, "crank.angle") > 1e-3);
 }
 
-/// The energy that a stiffer bumper stores, while it is pressed, is work from outside.
+/// If the stiffness of a compressed bumper increases, the additional stored energy counts as external work.
 #[test]
-fn the_balance_of_energy_goes_on_when_a_pressed_bumper_changes() {
+fn the_balance_of_energy_continues_when_a_compressed_bumper_changes() {
     let mut gear = Run::gear();
     gear.set("downstop.rigid", false);
     gear.set_all(&[("downstop.stiffness", 1e5), ("actuator.force", -30_000.0), ("solver.tolerance", 1e-12)]);
@@ -93,7 +94,7 @@ fn the_balance_of_energy_goes_on_when_a_pressed_bumper_changes() {
     }
 }
 
-/// A rigid stop throws the gear back by the restitution that is set before the impact.
+/// An impact uses the restitution that is set before the impact.
 #[test]
 fn a_restitution_acts_at_the_next_impact() {
     let impact = |stated: f64, tuned: Option<f64>| {
@@ -108,13 +109,13 @@ fn a_restitution_acts_at_the_next_impact() {
     };
     let [plain, stated, tuned] = [impact(0.0, None), impact(0.5, None), impact(0.0, Some(0.5))];
     assert!((stated - tuned).abs() <= 1e-11 * stated, "{stated} {tuned}");
-    // The first impact of each: the impulse is that of the speed before and of the speed after.
+    // First impact of each run: the impulse is the momentum before plus the momentum after the impact.
     assert!((stated - 1.5 * plain).abs() <= 1e-9 * plain, "{stated} {plain}");
 }
 
-/// Values out of range, and such as make no law together, change nothing: what follows has the same bits.
+/// Values out of range and values that contradict each other change nothing: the results stay bit-identical.
 #[test]
-fn a_refused_change_leaves_no_trace() {
+fn a_rejected_change_has_no_effect() {
     let stick = GEAR.replacen("\"friction\": {", "\"friction\": { \"law\": \"stick\",", 1);
     assert_ne!(stick, GEAR);
     let mut both = [&stick, &stick].map(|text| {
@@ -124,7 +125,7 @@ fn a_refused_change_leaves_no_trace() {
         run(&mut gear, 40);
         gear
     });
-    // Static friction below the kinetic one; a number that is none.
+    // Static friction below kinetic friction, and NaN.
     for (name, value) in
         [("friction.static_coefficient", 1e-6), ("air.density", -1.0), ("upstop.restitution", f64::NAN)]
     {
@@ -137,9 +138,9 @@ fn a_refused_change_leaves_no_trace() {
     }
 }
 
-/// A state that was kept after a change goes on with the changed laws, in a fresh model too.
+/// A state saved after a change continues with the changed laws, also in a new model.
 #[test]
-fn a_kept_state_has_the_values() {
+fn a_saved_state_contains_the_values() {
     let mut tuned = gear(&[]);
     run(&mut tuned, 50);
     for (name, value) in [("friction.kinetic_coefficient", 0.02), ("solver.tolerance", 1e-10)] {
@@ -147,15 +148,15 @@ fn a_kept_state_has_the_values() {
     }
     run(&mut tuned, 3);
     let kept = tuned.saved();
-    let go_on = |gear: &mut Run| {
+    let continued = |gear: &mut Run| {
         run(gear, 40);
         gear.bits(["crank.angle", "joint2.force", "energy.drift"])
     };
-    let first = go_on(&mut tuned);
+    let first = continued(&mut tuned);
     let fresh = &mut Run::gear().started();
     for gear in [&mut tuned, &mut *fresh] {
         gear.take(&kept);
-        assert_eq!(go_on(gear), first);
+        assert_eq!(continued(gear), first);
     }
     assert_eq!(fresh.get("friction.kinetic_coefficient"), 0.02);
 }

@@ -1,5 +1,5 @@
-//! Outputs that do not exist in a legal state: NaN with a reason, while all others are told and the motion goes on.
-//! Self-locking of an excavator's bucket against statics by friction circles.
+//! Outputs without a value in a valid state are NaN with a reason. All other outputs have values, and the motion
+//! continues. Self-locking of an excavator bucket against statics with friction circles.
 
 use crate::random_linkages::generate::linkages;
 use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, changed, read_all, reals, runner, without_stops};
@@ -15,7 +15,7 @@ const CYLINDER_EYE: Vec2 = Vec2::new(-2.2, 0.5);
 const ROCKER: f64 = 0.62;
 const LINK: f64 = 0.55;
 const BUCKET_LENGTH: f64 = 0.48;
-/// Coefficient times pin radius [m].
+/// Coefficient of friction x pin radius [m].
 const ARM: f64 = 0.19 * 0.02;
 
 fn direction(angle: f64) -> Vec2 {
@@ -26,7 +26,7 @@ fn cross(a: Vec2, b: Vec2) -> f64 {
     a.x * b.y - a.y * b.x
 }
 
-/// Pins D of the bucket and C of the rocker at an angle of the bucket.
+/// Pins D of the bucket and C of the rocker at this angle of the bucket.
 fn pins(angle: f64) -> [Vec2; 2] {
     let d = BUCKET_LENGTH * direction(angle);
     let to = ROCKER_EYE - d;
@@ -35,20 +35,20 @@ fn pins(angle: f64) -> [Vec2; 2] {
     [d, d + along * e - up * Vec2::new(-e.y, e.x)]
 }
 
-/// Force of the cylinder with which the bucket begins to turn in a sense (1 or -1), against a torque on it, without
-/// gravity: statics of a link that transmits one force between its pins, with the torque mu r |R| in each. None where
-/// no force does it: with D - B at angle `angle`, u the direction of the link's force f on the bucket,
-/// f ((D - B) x u - s_D mu r - s_B mu r) = -T needs f > 0, for the direction u that it has without friction.
+/// Cylinder force at which the bucket starts to turn in a sense (1 or -1) against a torque on it, without gravity.
+/// Statics: the link transmits one force f between its pins, each with the friction torque mu r |R|. u is the direction
+/// of the force on the bucket without friction. f ((D - B) x u - s_D mu r - s_B mu r) = -T must give f > 0. None if no
+/// force moves the bucket.
 fn breakaway(angle: f64, sense: f64, torque: f64) -> Option<f64> {
     let [d, c] = pins(angle);
-    // Rates: D turns about the origin, C about the rocker's eye; the link's two ends.
+    // Rates: D moves about the origin, C about the rocker's eye. Both are ends of the link.
     let d_dot = sense * Vec2::new(-d.y, d.x);
     let (r, l) = (c - ROCKER_EYE, d - c);
     let rocker_rate = l.dot(&d_dot) / l.dot(&Vec2::new(-r.y, r.x));
     let c_dot = rocker_rate * Vec2::new(-r.y, r.x);
     let link_rate = cross(l, d_dot - c_dot) / l.norm_squared();
     let [s_a, s_b, s_c, s_d] = [rocker_rate, sense, link_rate - rocker_rate, sense - link_rate].map(f64::signum);
-    // About D: the link's force on the bucket leaves the line of pins by the angle of friction.
+    // About D: friction turns the link's force on the bucket out of the line of the pins by the angle of friction.
     let along = l.y.atan2(l.x);
     let lean = (ARM * (s_c - s_d) / LINK).asin();
     let without = direction(along);
@@ -75,8 +75,8 @@ fn bucket(angle: f64, torque: f64) -> Run {
 /// Angle of the bucket at which it is in line with its link [rad].
 const IN_LINE: f64 = 2.698;
 
-/// Below and beyond the position in line the forces are those of statics, up to where there is none: there they are
-/// NaN, and only there friction locks the mechanism against the cylinder.
+/// On both sides of the position in line the forces agree with statics. Where statics has no force, the outputs are
+/// NaN, and only there `self_locking` is true.
 #[test]
 fn the_bucket_locks_where_statics_has_no_force() {
     let (mut locked, mut found) = (0, 0);
@@ -84,7 +84,7 @@ fn the_bucket_locks_where_statics_has_no_force() {
         for k in -60..=60 {
             let angle = IN_LINE + 2e-3 * f64::from(k);
             let mut run = bucket(angle, torque);
-            // Which way the cylinder goes when the bucket turns forward.
+            // Sign of the cylinder's speed when the bucket turns forward.
             let growth = {
                 let cylinder = |angle: f64| (pins(angle)[1] - CYLINDER_EYE).norm();
                 (cylinder(angle + 1e-6) - cylinder(angle - 1e-6)).signum()
@@ -95,10 +95,11 @@ fn the_bucket_locks_where_statics_has_no_force() {
             {
                 match breakaway(angle, sense, torque) {
                     Some(force) => {
-                        let told = run.get(name);
-                        // Near the border the force is as sensitive to the tables as it is large.
+                        let read = run.get(name);
+                        // Near the border of locking, the sensitivity of the force to the tables is proportional to the
+                        // force.
                         let bound = 1e-10 * force.abs().max(1e5) * (force.abs() / 1e5).max(1.0);
-                        assert!((told - force).abs() < bound, "{name} at {angle}: {told} {force}");
+                        assert!((read - force).abs() < bound, "{name} at {angle}: {read} {force}");
                         found += 1;
                     }
                     None => {
@@ -123,7 +124,7 @@ fn the_bucket_locks_where_statics_has_no_force() {
     assert!(found > 400 && locked > 10);
 }
 
-/// The border of the locked positions is that of statics.
+/// The border of the locked positions agrees with statics.
 #[test]
 fn the_border_of_locking_is_that_of_statics() {
     const TORQUE: f64 = -20_000.0;
@@ -137,13 +138,13 @@ fn the_border_of_locking_is_that_of_statics() {
         locked
     };
     let statics = border(&mut |angle| [1.0, -1.0].iter().any(|sense| breakaway(angle, *sense, TORQUE).is_none()));
-    let told = border(&mut |angle| bucket(angle, TORQUE).is("cylinder.self_locking"));
-    println!("{statics} {told}");
-    // Both know the angle to the rounding of the force, which grows without bound there.
-    assert!((statics - told).abs() < 1e-10, "{statics} {told}");
+    let limit = border(&mut |angle| bucket(angle, TORQUE).is("cylinder.self_locking"));
+    println!("{statics} {limit}");
+    // Both angles have the rounding error of the force, which is unbounded at the border.
+    assert!((statics - limit).abs() < 1e-10, "{statics} {limit}");
 }
 
-/// Through the locked positions by its own momentum: every output is read after every step, and the others stay finite.
+/// The bucket swings through the locked positions. Every output is read after every step. Other outputs stay finite.
 #[test]
 fn the_bucket_swings_through_the_locked_positions() {
     let mut run = Run::new(BUCKET).with(&[("bucket.start_angle", 2.55), ("bucket.start_speed", 1.5)]);
@@ -165,7 +166,7 @@ fn the_bucket_swings_through_the_locked_positions() {
         run.get("bucket.angle")
     );
     assert!(run.get("energy.drift").abs() < 1e-5);
-    // A trace goes on through what does not exist.
+    // A recorded time series continues across outputs without a value.
     let mut run = Run::new(BUCKET).with(&[("bucket.start_angle", 2.55), ("bucket.start_speed", 1.5)]).started();
     run.set_all(&[("cylinder.force", 2e4), ("digging.torque", -100.0)]);
     let trace = run.0.run(0.24, 4e-3, &["cylinder.required_force", "cylinder.self_locking", "bucket.speed"]).unwrap();
@@ -176,8 +177,8 @@ fn the_bucket_swings_through_the_locked_positions() {
     assert!(locked.contains(&1.0));
 }
 
-/// Present inputs under which friction has no solution: positions and speeds are told, with the rates of positions;
-/// what needs the acceleration is NaN. After a change of the input all is told again.
+/// Friction has no solution under the present inputs: positions, speeds and the rates of positions have values, outputs
+/// that need the acceleration are NaN. Without friction all outputs have values again.
 #[test]
 fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     let text = changed(without_stops(), |m| {
@@ -191,7 +192,7 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     let mut run = Run::new(&text).with(&[("crank.start_angle", 0.3), ("crank.start_speed", -3.0)]).started();
     let undefined = read_all(&mut run);
     let has = |name: &str| undefined.iter().any(|u| u == name);
-    for told in [
+    for name in [
         "crank.angle",
         "crank.speed",
         "wheel.velocity_x",
@@ -202,8 +203,8 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
         "actuator.reduced_mass",
         "actuator.holding_force",
     ] {
-        assert!(!has(told), "{told}");
-        run.get(told);
+        assert!(!has(name), "{name}");
+        run.get(name);
     }
     for lacking in
         ["crank.acceleration", "wheel.acceleration_y", "joint2.force", "joint3.friction_torque", "actuator.static_load"]
@@ -216,7 +217,7 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     assert!(run.0.derivative("crank.speed").unwrap().is_nan());
     let reference = run.0.reference("crank.speed").unwrap();
     assert_says(run.undefined_derivative(reference).unwrap(), &["friction locks the mechanism near"]);
-    // By inputs: the speed depends on none, the acceleration has no derivative.
+    // With respect to inputs: the speed depends on no input, the acceleration has no derivative.
     let inputs = [run.0.reference("actuator.force").unwrap()];
     let unknowns = ["crank.speed", "crank.acceleration"].map(|name| run.0.reference(name).unwrap());
     let mut found = [1.0; 2];
@@ -230,10 +231,10 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
     assert!(read_all(&mut run).is_empty());
 }
 
-/// A parallelogram that starts flat, where branches cross and reactions grow without bound: every output is finite or
-/// NaN for a reason, motion and energies are told, and so are all rates or their absence.
+/// A parallelogram that starts in the flat position, where branches cross and reactions are unbounded: every output is
+/// finite or NaN with a reason. Motion and energies have values. Each rate is finite or NaN with a reason.
 #[test]
-fn at_a_crossing_every_output_is_told_or_has_a_reason() {
+fn at_a_crossing_every_output_has_a_value_or_a_reason() {
     let definition = json!({
         "name": "Parallelogram",
         "bodies": {
@@ -265,7 +266,7 @@ fn at_a_crossing_every_output_is_told_or_has_a_reason() {
             let rate = run.output_derivative(output, 1).unwrap();
             assert!(rate.is_finite() || rate.is_nan() && run.undefined_derivative(output).is_some(), "{output} {rate}");
         }
-        // On to the next flat position, at a half turn, and past it.
+        // To the next flat position, half a turn away, and past it.
         let angle = run.get("left.angle");
         let h = if k % 4 == 3 {
             (std::f64::consts::PI - angle.rem_euclid(std::f64::consts::PI)) / run.get("left.speed")
@@ -276,9 +277,9 @@ fn at_a_crossing_every_output_is_told_or_has_a_reason() {
     }
 }
 
-/// A wrong kind is refused by the variable's name.
+/// A reference with a wrong type is rejected with the variable's name.
 #[test]
-fn a_reference_of_another_kind_is_refused_by_name() {
+fn a_reference_of_another_type_is_rejected_with_its_name() {
     let mut run = Run::new(GEAR);
     let [angle, flag] = ["crank.angle", "friction.enabled"].map(|name| run.0.reference(name).unwrap());
     let refusals = [
@@ -291,7 +292,7 @@ fn a_reference_of_another_kind_is_refused_by_name() {
     assert_says(run.real(u32::MAX).unwrap_err(), &["4294967295", "references run from 0"]);
 }
 
-/// Random linkages with pins of any size up to what locks: every output is read after every step.
+/// Random linkages with pins of any size, including pins that lock: every output is read after every step.
 #[test]
 fn every_output_of_random_linkages_with_friction_can_be_read() {
     let radii = prop::collection::vec(0.0..1.0f64, 7);
@@ -321,7 +322,7 @@ fn every_output_of_random_linkages_with_friction_can_be_read() {
             };
             count.set(count.get() + 1);
             if simulation.step(0.02).is_err() {
-                // Locked by friction, as a rule: what is left can be read.
+                // Usually friction has locked the mechanism. The outputs can still be read.
                 read_all(simulation.model_mut());
                 break;
             }

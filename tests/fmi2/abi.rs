@@ -1,4 +1,4 @@
-//! Values, times and resets from the host's side; statuses and messages of all functions are in `hostile`.
+//! Values, times and resets as a host uses them. The tests in `hostile` cover statuses and messages of all functions.
 
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
@@ -31,9 +31,9 @@ fn the_tolerance_of_the_experiment_wins_over_the_parameter() {
     assert_eq!(gear.get("solver.tolerance"), Ok(1e-8));
 }
 
-/// As importers pass it whose user has stated none.
+/// Some importers pass the tolerance 0 if the user has stated none.
 #[test]
-fn a_tolerance_of_0_is_none_and_a_warning_says_so() {
+fn a_tolerance_of_0_is_ignored_with_a_warning() {
     let gear = Gear::new();
     assert_eq!(gear.set("solver.tolerance", 1e-3), Status::Ok);
     gear.log.take();
@@ -59,7 +59,8 @@ fn enumerations_are_set_read_and_reset() {
     let method = gear.vr("solver.method");
     // SAFETY: every array has the length that is passed.
     unsafe {
-        // All or none: a good number before a Real, an unknown reference, a computed Enumeration, a bad number.
+        // All values are set or none: a valid number before a Real, an unknown reference, a computed Enumeration, an
+        // invalid number.
         for (second, number) in
             [(gear.vr("crank.length"), 1), (gear.count(), 1), (gear.vr("contact.mode"), 1), (method, 7)]
         {
@@ -105,7 +106,7 @@ fn time_starts_at_any_sign_and_is_reported() {
 }
 
 #[test]
-fn impossible_parameters_are_refused_and_can_be_corrected() {
+fn impossible_parameters_are_rejected_and_can_be_corrected() {
     let gear = Gear::new();
     let length = gear.get("crank.length").unwrap();
     assert_eq!(gear.set("crank.length", 100.0), Status::Ok);

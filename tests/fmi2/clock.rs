@@ -1,5 +1,4 @@
-//! The clock: starts at large times, steps of one unit in the last place, ten million steps; and steps without an
-//! answer.
+//! The clock: large start times, steps of one unit in the last place, ten million steps. Steps without a solution.
 
 use crate::host::Gear;
 use linkage_fmu::fmi2::fmi2GetRealStatus;
@@ -18,8 +17,8 @@ fn time(gear: &Gear) -> f64 {
     time
 }
 
-/// The motion does not depend on the absolute time: the same steps from 0 and from +-1e9 s, where the last place is
-/// 1.2e-7 s, give the same bits, however the host forms its points.
+/// The motion does not depend on the absolute time: equal steps from 0 and from +-1e9 s, where the last place is 1.2e-7
+/// s, give bit-identical results, for each way in which a host computes its communication points.
 #[test]
 fn a_start_at_a_billion_seconds_changes_no_bit() {
     const STEP: f64 = 1e-3;
@@ -40,13 +39,14 @@ fn a_start_at_a_billion_seconds_changes_no_bit() {
         // The end of the last step, rounded once.
         assert_eq!(time(&formed), start + 129.0 * STEP + STEP);
         assert_eq!(time(&summed), point);
-        // A point one step off is refused, however large the time.
+        // A communication point that is wrong by one step is rejected, for any time.
         assert_eq!(formed.step(start + 131.0 * STEP, STEP), Status::Error);
         assert!(formed.refusal().contains("currentCommunicationPoint"));
     }
 }
 
-/// Hosts pass a huge stop time for "no end": a step that is lost, repeated or no number is refused all the same.
+/// Hosts pass a huge stop time for "no end". A lost or repeated step, or a step that is no number, is rejected
+/// nevertheless.
 #[test]
 fn a_stop_time_without_end_hides_no_lost_step() {
     const STEP: f64 = 1e-3;
@@ -66,12 +66,12 @@ fn a_stop_time_without_end_hides_no_lost_step() {
     }
 }
 
-/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end where one step of their sum
-/// does.
+/// Steps of one unit in the last place of the time, from 1e-3 s and from 1e9 s on, end at the same state as one step of
+/// their sum.
 #[test]
 fn steps_of_one_ulp_are_steps() {
     const STEPS: u32 = 100_000;
-    /// solver.tolerance of the file.
+    /// The value of solver.tolerance in the file.
     const TOLERANCE: f64 = 1e-9;
     let falling = |start: f64| {
         let gear = Gear::new();
@@ -91,14 +91,15 @@ fn steps_of_one_ulp_are_steps() {
         assert_eq!(time(&gear), point);
         assert_eq!(whole.step(0.0, f64::from(STEPS) * ulp), Status::Ok);
         let [angle, other] = [&gear, &whole].map(|gear| gear.get("crank.angle").unwrap());
-        // In 0.012 s an error of the speed grows to less than its size; some ten steps at most do the whole.
+        // In 0.012 s an error of the speed grows to less than its size. One long step needs at most some ten
+        // integration steps.
         assert!((angle - other).abs() <= 10.0 * TOLERANCE * (0.8 - other) + 1e-13, "{start}: {angle} {other}");
         assert!(other < 0.8);
     }
 }
 
-/// Ten million steps of 10 ns through fmi2DoStep: scene S1's theta2 at 0.1 s, and a clock that says 0.1 s. A lost step
-/// would be 2e-7 rad; tolerance 1e-9 times its gain of some 50 is allowed.
+/// Ten million steps of 10 ns through fmi2DoStep: theta2 of scene S1 at 0.1 s, and 0.1 s on the clock. A lost step
+/// would be 2e-7 rad. The allowed error is the tolerance 1e-9 times its growth of some 50.
 #[test]
 fn ten_million_steps_lose_no_time() {
     const STEPS: u32 = 10_000_000;
@@ -112,7 +113,7 @@ fn ten_million_steps_lose_no_time() {
     assert!(error.abs() <= 5e-8, "{error:e}");
 }
 
-/// A step or an initialisation without a solution gives fmi2Error and a message.
+/// A step or an initialisation without a solution returns fmi2Error with a message.
 #[test]
 fn no_answer_is_an_error_with_a_message() {
     for (values, fragments) in [
@@ -123,7 +124,8 @@ fn no_answer_is_an_error_with_a_message() {
         for &(name, value) in values {
             assert_eq!(gear.set(name, value), Status::Ok);
         }
-        // An energy beyond the largest number is refused at the start, a force that no step integrates with the step.
+        // An energy beyond the largest number is an error of the initialisation, a force that no step can integrate an
+        // error of the step.
         let mut status = gear.initialize();
         if status == Status::Ok {
             status = gear.step(0.0, 1e-3);

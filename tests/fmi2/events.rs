@@ -1,4 +1,4 @@
-//! What happens within steps, in the log of the FMU.
+//! Events within steps, as messages in the log of the FMU.
 
 use crate::host::Folder;
 use linkage_fmu::fmi2::fmi2SetDebugLogging;
@@ -9,7 +9,7 @@ use std::ffi::CStr;
 const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 const HIT: f64 = 0.132_059_852_744_259_7;
 
-/// The gear with pieces of its file replaced, at its start at this time.
+/// An instance of the gear with pieces of its file replaced, at its start at this time.
 fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> Host {
     let folder = Folder::new(name);
     let definition = changes.iter().fold(GEAR.to_owned(), |text, (from, to)| {
@@ -23,28 +23,28 @@ fn gear(name: &str, changes: &[(&str, &str)], logging_on: bool, start: f64) -> H
     host
 }
 
-/// Category and text of the messages since the last look.
-fn told(host: &Host) -> Vec<(String, String)> {
+/// Category and text of the messages since the last call.
+fn messages_of(host: &Host) -> Vec<(String, String)> {
     host.log.take().into_iter().map(|message| (message.category, message.text)).collect()
 }
 
 fn texts(host: &Host) -> Vec<String> {
-    told(host).into_iter().map(|(_, text)| text).collect()
+    messages_of(host).into_iter().map(|(_, text)| text).collect()
 }
 
-/// Messages of this category alone.
+/// Request messages of this category only.
 fn ask_for(host: &Host, category: &CStr) {
     // SAFETY: the component is valid, and the category is a C string.
     assert_eq!(unsafe { fmi2SetDebugLogging(host.c, 1, 1, [category.as_ptr()].as_ptr()) }, Status::Ok);
 }
 
 #[test]
-fn an_impact_is_told_with_time_speed_and_impulse() {
+fn an_impact_is_logged_with_time_speed_and_impulse() {
     let host = gear("impact", &[], true, 5.0);
     assert_eq!(host.step(5.0, 0.1), Status::Ok);
     assert_eq!(texts(&host), [""; 0]);
     assert_eq!(host.step(5.1, 0.1), Status::Ok);
-    let said = told(&host);
+    let said = messages_of(&host);
     let (impulse, time) = (host.get("upstop.impact_impulse").unwrap(), host.get("upstop.impact_time").unwrap());
     assert!((time - 5.0 - HIT).abs() < 1e-9, "{time}");
     assert!(said.iter().all(|(category, _)| category == "logEvents"), "{said:?}");
@@ -56,7 +56,7 @@ fn an_impact_is_told_with_time_speed_and_impulse() {
 }
 
 #[test]
-fn bounces_are_told_as_one_series() {
+fn bounces_are_logged_as_one_series() {
     let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 0.9, \"flag\": \"retracted\"")];
     let host = gear("series", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 3.0), Status::Ok);
@@ -69,25 +69,25 @@ fn bounces_are_told_as_one_series() {
         "{said:?}"
     );
     assert!(said[5].ends_with(&format!("stops at the stop upstop after {count} impacts")), "{said:?}");
-    // The same series over many steps.
+    // The same series of bounces over many steps.
     let host = gear("series cut", &elastic, true, 0.0);
     (0..300).for_each(|k| assert_eq!(host.step(0.01 * f64::from(k), 0.01), Status::Ok));
     assert_eq!(texts(&host).len(), 6);
 }
 
-/// Impacts without losses but rounding are no series: each is told.
+/// Impacts with a restitution of 1 are no series: each impact is reported.
 #[test]
-fn impacts_without_losses_are_told_each() {
+fn each_impact_without_losses_is_logged() {
     let elastic = [("\"flag\": \"retracted\"", "\"restitution\": 1, \"flag\": \"retracted\"")];
     let host = gear("lossless", &elastic, true, 0.0);
     assert_eq!(host.step(0.0, 2.0), Status::Ok);
     let count = host.get("upstop.impact_count").unwrap();
-    let told = texts(&host).iter().filter(|line| line.contains("impact on the stop upstop")).count();
-    assert!(count > 5.0 && told as f64 == count, "{told} of {count}");
+    let logged = texts(&host).iter().filter(|line| line.contains("impact on the stop upstop")).count();
+    assert!(count > 5.0 && logged as f64 == count, "{logged} of {count}");
 }
 
 #[test]
-fn locks_are_told() {
+fn locks_are_logged() {
     let host = gear("locks", &[], true, 0.0);
     host.set_boolean("uplock.engage", true);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
@@ -102,26 +102,26 @@ fn locks_are_told() {
 }
 
 #[test]
-fn regimes_of_friction_are_told_for_debugging() {
+fn regimes_of_friction_are_logged_for_debugging() {
     let host = gear("regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     ask_for(&host, c"logDebug");
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
-    let said = told(&host);
+    let said = messages_of(&host);
     assert!(
         said.iter().any(|(category, text)| category == "logDebug" && text.contains("friction in the joint joint")),
         "{said:?}"
     );
     assert!(said.iter().any(|(_, text)| text.ends_with("becomes viscous")), "{said:?}");
-    // A host that does not ask for details gets none.
+    // A host that does not request these messages gets none.
     let host = gear("no regimes", &[("\"enabled\": false, ", "\"enabled\": true, ")], true, 0.0);
     assert_eq!(host.step(0.0, 0.1), Status::Ok);
-    assert_eq!(told(&host), []);
+    assert_eq!(messages_of(&host), []);
     assert_eq!(host.step(0.1, 0.1), Status::Ok);
     assert!(texts(&host)[0].contains("impact on the stop upstop"));
 }
 
 #[test]
-fn nothing_is_told_without_logging_nor_of_a_step_that_is_refused() {
+fn neither_disabled_logging_nor_a_rejected_step_logs_events() {
     let host = gear("silent", &[], false, 0.0);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
     assert_eq!(texts(&host), [""; 0]);

@@ -1,4 +1,5 @@
-//! The landing gear as tests drive it: instances in any phase, arguments of `fmi2Instantiate` to be spoiled, folders.
+//! The landing gear as the tests use it: instances in any phase, arguments of `fmi2Instantiate` that a test can change,
+//! folders.
 #![allow(unsafe_code, dead_code, clippy::unwrap_used)]
 
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, callbacks, logger};
@@ -15,7 +16,7 @@ use std::sync::{Arc, OnceLock};
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction");
 pub const RESOURCES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction/resources");
 
-/// The landing gear's description, read once, as a test makes many instances.
+/// The landing gear's description. It is read once, because the tests create many instances.
 pub fn description() -> &'static Arc<Description> {
     static GEAR: OnceLock<Arc<Description>> = OnceLock::new();
     GEAR.get_or_init(|| Description::read(Path::new(FOLDER)).unwrap())
@@ -72,7 +73,7 @@ impl Gear {
         self.find(name).unwrap()
     }
 
-    /// Status and bits of the variable with this reference, read as a Real; 0 if it cannot be read.
+    /// Status and bits of the variable with this reference, read as a Real. The bits are 0 if it cannot be read.
     pub fn bits(&self, reference: u32) -> (Status, u64) {
         let mut value = [0.0];
         let status = self.reals(&[reference], &mut value);
@@ -93,7 +94,7 @@ impl Gear {
         state
     }
 
-    /// The only message since the last look, of a refused call.
+    /// The only message since the last call, from a rejected call.
     pub fn refusal(&self) -> String {
         let messages = self.log.take();
         assert_eq!(messages.len(), 1, "{messages:?}");
@@ -103,7 +104,7 @@ impl Gear {
     }
 }
 
-/// Arguments of `fmi2Instantiate`, to be spoiled one by one.
+/// Arguments of `fmi2Instantiate`, which a test changes one by one.
 pub struct Arguments {
     pub name: *const c_char,
     pub fmu_type: c_int,
@@ -121,7 +122,7 @@ impl Arguments {
         Arguments { location: Some(c(location)), ..Self::new() }
     }
 
-    /// Instantiate and free again: the text of the refusal, if it is one.
+    /// Instantiate and free the instance. Returns the message if `fmi2Instantiate` fails.
     pub fn refused(&self) -> Option<String> {
         let log = Log::default();
         let pointer = |text: &Option<CString>| text.as_ref().map_or(null(), |text| text.as_ptr());
@@ -136,7 +137,7 @@ impl Arguments {
     }
 }
 
-/// A folder that vanishes with this value.
+/// A folder that is removed when this value is dropped.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -148,7 +149,7 @@ impl Folder {
         Folder(path)
     }
 
-    /// With a definition in its resources, as an FMU.
+    /// The folder as an unpacked FMU with this definition in its resources.
     pub fn described(&self, definition: &str) -> Arc<Description> {
         let resources = self.0.join("resources");
         std::fs::create_dir_all(&resources).unwrap();
@@ -156,7 +157,7 @@ impl Folder {
         Description::read(&self.0).unwrap()
     }
 
-    /// Path as a host passes it.
+    /// Path in the form in which a host passes it.
     pub fn location(&self) -> &str {
         self.0.to_str().unwrap()
     }

@@ -1,4 +1,5 @@
-//! The landing gear with its hydraulic circuit through the C interface: the retraction, states to the bit, refusals.
+//! The landing gear with its hydraulic circuit through the C interface: retraction, bit-identical saved states,
+//! rejected calls.
 
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
@@ -19,7 +20,7 @@ fn gear() -> Host {
     gear
 }
 
-/// From the reference of an independent integration, at 2 s: angle, pressures, force.
+/// Angle, pressures and force at 2 s by an independent integration.
 #[test]
 fn the_retraction_follows_the_reference() {
     let gear = gear();
@@ -39,7 +40,7 @@ fn the_retraction_follows_the_reference() {
 }
 
 #[test]
-fn a_state_through_bytes_goes_on_to_the_bit() {
+fn a_serialised_state_continues_bit_identically() {
     let names = ["crank.angle", "crank.speed", "chamber_a.pressure", "valve.speed", "energy.supplied", "energy.drift"];
     let bits = |gear: &Host| names.map(|name| gear.get(name).unwrap().to_bits());
     // In motion, and at rest at the up stop.

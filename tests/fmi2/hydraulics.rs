@@ -1,5 +1,5 @@
-//! The hydraulic actuator through the C interface: life cycle, saved states to the bit, derivatives, warnings,
-//! refusals.
+//! The hydraulic actuator through the C interface: life cycle, bit-identical saved states, derivatives, warnings,
+//! rejected calls.
 
 use linkage_fmu::fmi2::fmi2GetRealOutputDerivatives;
 use linkage_fmu::fmi2::host::{Description, Host, State, logger};
@@ -44,7 +44,7 @@ fn all_bits(actuator: &Host) -> Vec<(Status, u64)> {
     bits.collect()
 }
 
-/// Steps `from` to `to` under changing inputs, with the bits of all Reals after each.
+/// Make the steps `from` to `to` under changing inputs. Returns the bits of all Reals after each step.
 fn run(actuator: &Host, from: u32, to: u32, mass: f64) -> Vec<Vec<(Status, u64)>> {
     let h = 1e-3;
     let step = |n: u32| {
@@ -67,7 +67,7 @@ fn run(actuator: &Host, from: u32, to: u32, mass: f64) -> Vec<Vec<(Status, u64)>
 }
 
 #[test]
-fn what_follows_a_saved_state_has_the_same_bits() {
+fn steps_after_a_saved_state_are_bit_identical() {
     for (mode, mass) in [("follow", 0.0), ("follow", 700.0), ("preview", 700.0)] {
         for at in [0, 7, 23] {
             let first = started(mode);
@@ -90,7 +90,7 @@ fn what_follows_a_saved_state_has_the_same_bits() {
 }
 
 #[test]
-fn spoiled_bytes_are_refused_and_change_nothing() {
+fn corrupted_states_are_rejected_and_change_nothing() {
     let host = started("preview");
     run(&host, 0, 11, 700.0);
     let mut state = State::NONE;
@@ -98,9 +98,9 @@ fn spoiled_bytes_are_refused_and_change_nothing() {
     let bytes = host.serialize(&state).unwrap();
     let before = all_bits(&host);
     for at in 0..bytes.len() {
-        let mut spoiled = bytes.clone();
-        spoiled[at] ^= 0x41;
-        assert!(host.deserialize(&spoiled).is_err(), "byte {at}");
+        let mut corrupted = bytes.clone();
+        corrupted[at] ^= 0x41;
+        assert!(host.deserialize(&corrupted).is_err(), "byte {at}");
     }
     assert!(host.deserialize(&bytes[..bytes.len() - 1]).is_err());
     assert!(all_bits(&host) == before);
@@ -180,7 +180,7 @@ fn a_warning_is_a_status_with_a_line_of_the_log() {
 }
 
 #[test]
-fn hostile_values_change_nothing() {
+fn rejected_values_change_nothing() {
     let host = started("preview");
     run(&host, 0, 5, 700.0);
     let before = all_bits(&host);
@@ -200,7 +200,7 @@ fn hostile_values_change_nothing() {
     assert_eq!(host.step(5e-3, -1.0), Status::Error);
     host.log.take();
     assert!(all_bits(&host) == before);
-    // Values that are legal and absurd end in values or in a refusal, never in NaN without a word.
+    // Absurd but legal values give values or an error, never NaN without a message.
     for (name, value) in [("actuator.speed", 1e300), ("supply.pressure", 1e12), ("actuator.reduced_mass", 1e-300)] {
         let host = started("preview");
         run(&host, 0, 5, 700.0);
@@ -214,7 +214,7 @@ fn hostile_values_change_nothing() {
 }
 
 #[test]
-fn a_travel_beyond_the_cylinder_is_refused_with_both_lengths() {
+fn a_travel_beyond_the_cylinder_is_rejected_with_both_lengths() {
     let host = actuator();
     assert_eq!(host.set("actuator.length", 0.8), Status::Ok);
     assert_eq!(host.enter(), Status::Ok);

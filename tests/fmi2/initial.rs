@@ -1,10 +1,11 @@
-//! Derivatives of initial values along parameters, and what a host may set after the initialisation.
+//! Derivatives of initial values with respect to parameters, and the variables that a host may set after the
+//! initialisation.
 
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::fmi2::{fmi2GetDirectionalDerivative, fmi2SetReal};
 
-/// Derivative of an unknown by a known.
+/// Derivative of an unknown with respect to a known.
 fn derivative(gear: &Gear, unknown: &str, known: &str) -> Result<f64, Status> {
     let (unknown, known, mut value) = (gear.vr(unknown), gear.vr(known), f64::NAN);
     // SAFETY: one element each.
@@ -23,15 +24,15 @@ fn initializing() -> Gear {
 fn initial_values_have_derivatives_along_parameters() {
     let gear = initializing();
     let of = |unknown: &str, known: &str| derivative(&gear, unknown, known).unwrap();
-    // In closed form: the start states the angle and the speed; energy is linear in a mass, and quadratic in the speed.
+    // Closed form: the start states the angle and the speed. The energy is linear in a mass and quadratic in the speed.
     assert!((of("crank.angle", "crank.start_angle") - 1.0).abs() < 1e-11);
     assert!((of("crank.speed", "crank.start_speed") - 1.0).abs() < 1e-11);
-    // To the rounding of an angle of 0.8 rad over the change.
+    // Error: the rounding of an angle of 0.8 rad, divided by the change.
     assert!(of("crank.angle", "wheel.mass").abs() < 1e-12);
     assert_eq!(gear.set("crank.start_speed", 2.0), Status::Ok);
     let energy = gear.get("energy.kinetic").unwrap();
     assert!((of("energy.kinetic", "crank.start_speed") - energy).abs() < 1e-9 * energy);
-    // Against a plain difference of this host, along a length that moves every body.
+    // Against a finite difference with respect to a length that moves every body.
     let length = gear.get("crank.length").unwrap();
     let at = |h: f64| {
         assert_eq!(gear.set("crank.length", length + h), Status::Ok);
@@ -42,15 +43,15 @@ fn initial_values_have_derivatives_along_parameters() {
     at(0.0);
     let exact = of("actuator.length", "crank.length");
     assert!((exact - difference).abs() < 1e-8 * exact.abs().max(1.0), "{exact} {difference}");
-    // Along an input it is exact, as in motion.
+    // With respect to an input the derivative is exact, as in motion.
     assert!(of("crank.acceleration", "actuator.force") != 0.0);
-    // A parameter that may only grow from its value 0.
+    // A parameter at its lower limit 0.
     assert_eq!(gear.get("upstop.restitution"), Ok(0.0));
     assert!(of("crank.angle", "upstop.restitution").abs() < 1e-12);
 }
 
 #[test]
-fn what_does_not_change_a_little_has_the_derivative_0() {
+fn discrete_outputs_have_the_derivative_0() {
     let gear = initializing();
     for (unknown, known) in [
         ("retracted", "actuator.force"),
@@ -81,7 +82,7 @@ fn tunable_parameters_are_set_between_steps_and_others_are_not() {
         assert_eq!(gear.set(name, 1.0), Status::Error);
         assert!(gear.refusal().contains("is a fixed parameter"), "{name}");
     }
-    // All or none: a good value before one out of range, and before a fixed parameter.
+    // All values are set or none: a valid value before a value out of range, and before a fixed parameter.
     let air = gear.vr("air.density");
     for (second, value) in [("upstop.restitution", 2.0), ("crank.mass", 1.0)] {
         // SAFETY: two elements each.

@@ -12,7 +12,7 @@ use std::ptr::null;
 fn a_bad_argument_is_logged_and_answered_with_null() {
     assert_eq!(Arguments::new().refused(), None);
     assert_eq!(Arguments { fmu_type: 0, ..Arguments::new() }.refused(), None);
-    let spoiled = [
+    let wrong = [
         (Arguments { name: null(), ..Arguments::new() }, "instanceName"),
         (Arguments { name: c"".as_ptr(), ..Arguments::new() }, "instanceName"),
         (Arguments { fmu_type: 2, ..Arguments::new() }, "0 (fmi2ModelExchange)"),
@@ -23,7 +23,7 @@ fn a_bad_argument_is_logged_and_answered_with_null() {
         (Arguments::at("file:///no/such/folder"), "/no/such/folder/mechanism.json"),
         (Arguments::at("http://host/resources"), "http"),
     ];
-    for (arguments, expected) in spoiled {
+    for (arguments, expected) in wrong {
         let message = arguments.refused().unwrap();
         assert!(message.starts_with("fmi2Instantiate: ") && message.contains(expected), "{message}");
     }
@@ -40,10 +40,10 @@ fn null_callbacks_give_null_and_null_members_are_fine() {
     assert_eq!(silent.set("actuator.force", 1.0), Status::Ok);
 }
 
-/// Tables of the definition are taken in silence; those of another one are told and computed again, as are damaged
-/// ones.
+/// Tables of the definition are used without a message. Tables of another definition and damaged tables are computed
+/// again, with a warning.
 #[test]
-fn tables_beside_a_definition() {
+fn stored_tables_in_the_folder_of_a_definition() {
     let folder = Folder::new("tables beside");
     let resources = folder.0.join("resources");
     std::fs::create_dir_all(&resources).unwrap();
@@ -63,10 +63,10 @@ fn tables_beside_a_definition() {
     std::fs::write(&tables, &bytes).unwrap();
     assert_eq!(retraction(), without);
     let damaged = [&bytes[..30], &bytes[..bytes.len() / 2], b"no tables"].map(<[u8]>::to_vec);
-    for (bytes, is_told) in damaged.into_iter().zip([true, false, true]) {
+    for (bytes, warns) in damaged.into_iter().zip([true, false, true]) {
         std::fs::write(&tables, bytes).unwrap();
         let (angle, force, said) = retraction();
-        assert_eq!((angle, force, said.len()), (without.0, without.1, usize::from(is_told)), "{said:?}");
+        assert_eq!((angle, force, said.len()), (without.0, without.1, usize::from(warns)), "{said:?}");
     }
     std::fs::write(&tables, &bytes).unwrap();
     std::fs::write(&definition, mechanism() + "\n").unwrap();
@@ -119,7 +119,7 @@ fn categories_filter_the_messages() {
     let gear = Gear::with_logger(Some(logger()), false);
     let debug = |on: c_int, names: &[&CStr]| {
         let names: Vec<Text> = names.iter().map(|name| name.as_ptr()).collect();
-        // SAFETY: `names` holds as many strings as it says.
+        // SAFETY: `names` contains the stated number of strings.
         unsafe { fmi2SetDebugLogging(gear.c, on, names.len(), names.as_ptr()) }
     };
     let refused = || {
@@ -165,9 +165,9 @@ fn an_experiment_that_was_not_set_up_is_worth_a_warning() {
     }
 }
 
-/// A carriage that leaves what was traced at first: its log says so, once.
+/// A carriage that leaves the first stretch of its curve: the log reports this once.
 #[test]
-fn growth_is_told_once() {
+fn growth_gives_one_warning() {
     let folder = Folder::new("growth");
     let text = r#"{ "name": "Carriage", "bodies": { "ground": {}, "carriage": { "length": 0.02, "mass": 3 } },
       "joints": { "rail": { "type": "prismatic", "first": "ground.origin", "second": "carriage.origin" } },
@@ -180,8 +180,8 @@ fn growth_is_told_once() {
         for k in 0..100 {
             assert_eq!(host.step(f64::from(k), 1.0), Status::Ok);
         }
-        let told = host.log.take();
-        let told = told.iter().filter(|m| m.category == "logEvents" && m.text.contains("further tables"));
-        assert_eq!(told.count(), expected);
+        let messages = host.log.take();
+        let messages = messages.iter().filter(|m| m.category == "logEvents" && m.text.contains("further tables"));
+        assert_eq!(messages.count(), expected);
     }
 }

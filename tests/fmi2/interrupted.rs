@@ -1,5 +1,6 @@
-//! A step that meets `solver.max_steps`: fmi2Discard, and what may follow (FMI 2.0.5, 4.2.2 and the state stepFailed of
-//! 4.2.4). A step that is refused before it begins: fmi2Error, and the instance goes on.
+//! A step that `solver.max_steps` interrupts returns fmi2Discard. The calls that may follow are those of FMI 2.0.5,
+//! 4.2.2, and of the state stepFailed in 4.2.4. A step that is rejected at its start returns fmi2Error, and the
+//! instance continues.
 
 use crate::host::Gear;
 use linkage_fmu::fmi2::host::State;
@@ -11,7 +12,7 @@ use linkage_fmu::fmi2::{
 
 const START: f64 = 5.0;
 
-/// An instance that may take so few steps in a communication step, at its start.
+/// An instance at its start with this limit of integration steps per communication step.
 fn bounded(max_steps: f64, friction: bool) -> Gear {
     let gear = Gear::new();
     assert_eq!(gear.set("solver.max_steps", max_steps), Status::Ok);
@@ -54,7 +55,7 @@ fn a_step_in_part_is_discarded_and_can_be_read() {
         for piece in ["fmi2DoStep: ", "solver.max_steps = 6", "of 0.13 s", "shorter communication steps", "steps"] {
             assert!(messages[0].text.contains(piece), "{messages:?}");
         }
-        // How far it got.
+        // The time reached.
         let time = last_time(&gear) - START;
         assert!(time > 0.0 && time < 0.13, "{time}");
         assert_eq!(status(&gear), Status::Discard);
@@ -64,7 +65,7 @@ fn a_step_in_part_is_discarded_and_can_be_read() {
         assert_eq!(terminated, 0);
         // SAFETY: as before.
         assert_eq!(unsafe { fmi2GetBooleanStatus(gear.c, PENDING_STATUS, &mut terminated) }, Status::Discard);
-        // The values are those of a step of that size, and the input that of its end.
+        // The values are those of a step up to the time reached, and the input has its value at this time.
         let force = gear.get("actuator.force").unwrap();
         assert!((force - (3e4 - 1e4 * time)).abs() < 1e-9 * 3e4, "{force}");
         let twin = bounded(1e6, friction);
@@ -75,13 +76,13 @@ fn a_step_in_part_is_discarded_and_can_be_read() {
             assert!((a - b).abs() <= 1e-6 * (1.0 + b.abs()), "{name}: {a} {b}");
         }
         assert!(gear.all_bits().iter().zip(twin.all_bits()).all(|(a, b)| a.0 == b.0), "what can be read");
-        goes_on_from_a_saved_state(&gear, before);
+        continues_from_a_saved_state(&gear, before);
     }
 }
 
-/// An interrupted instance allows what stepFailed allows, and nothing else; a state saved before the step brings the
-/// instance back.
-fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
+/// An interrupted instance allows exactly the calls of the state stepFailed. A state saved before the step restores the
+/// instance.
+fn continues_from_a_saved_state(gear: &Gear, mut before: State) {
     let (angle, time) = (gear.get("crank.angle").unwrap(), last_time(gear));
     gear.log.take();
     assert_eq!(gear.step(time, 1e-3), Status::Error);
@@ -99,7 +100,7 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
     }
     let speed = gear.get("crank.speed").unwrap();
     assert!((value - speed).abs() <= 1e-12 * speed.abs());
-    // A state of the interrupted instance, through bytes into another one: the same phase, time and values.
+    // A state of the interrupted instance restores the same phase, time and values in another instance, through bytes.
     let mut state = gear.save();
     let bytes = gear.serialize(&state).unwrap();
     let other = Gear::new();
@@ -110,7 +111,7 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
     assert_eq!(other.get("crank.angle"), Ok(angle));
     assert_eq!(other.step(time, 1e-3), Status::Error);
     assert_eq!(other.serialize(&other.save()).unwrap(), bytes);
-    // The state saved before.
+    // Restore the state saved before the step.
     assert_eq!(gear.restore(&before), Status::Ok);
     assert_eq!((last_time(gear), status(gear)), (START, Status::Ok));
     let mut t = START;
@@ -118,7 +119,7 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
         assert_eq!(gear.step(t, 1e-3), Status::Ok, "{:?}", gear.log.take());
         t += 1e-3;
     }
-    // Back to the interrupted one, its end, and a reset.
+    // Restore the interrupted state, then terminate, and reset.
     assert_eq!(gear.restore(&state), Status::Ok);
     assert_eq!(gear.get("crank.angle"), Ok(angle));
     assert_eq!(gear.terminate(), Status::Ok);
@@ -131,10 +132,10 @@ fn goes_on_from_a_saved_state(gear: &Gear, mut before: State) {
     assert_eq!(other.free(&mut copy), Status::Ok);
 }
 
-/// An input that overflows at the end of a step, or whose load does, is refused before the step: the instance goes on
-/// as if it had not been asked.
+/// If an input, or the load of an input, overflows at the end of a step, the step is rejected at its start. The
+/// instance continues as without this call.
 #[test]
-fn a_step_refused_before_it_begins_leaves_the_phase() {
+fn a_step_rejected_before_its_start_does_not_change_the_phase() {
     for (name, order, value, h) in [
         ("actuator.force", 1, 1e308, 100.0),
         ("airspeed", 2, -1e308, 100.0),
@@ -161,7 +162,7 @@ fn a_step_refused_before_it_begins_leaves_the_phase() {
         }
         assert_eq!(gear.all_bits(), twin.all_bits(), "{name}");
     }
-    // A step that cannot be computed is none that was refused.
+    // A step that cannot be computed fails and changes the phase.
     let gear = bounded(1e5, false);
     assert_eq!(gear.set("actuator.force", 1e300), Status::Ok);
     assert_eq!(gear.step(START, 1e-3), Status::Error);

@@ -1,4 +1,4 @@
-//! `solver.method` through the C interface: the run has the bits of the native one.
+//! `solver.method` through the C interface: the run is bit-identical to a run without FMI.
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
 use linkage_fmu::simulation::Simulation;

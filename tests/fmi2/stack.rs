@@ -1,7 +1,7 @@
-//! Stack of `fmi2Instantiate`: hosts call it on threads of their own, whose stacks may be small.
+//! Stack of `fmi2Instantiate`. Hosts may call the function on threads with small stacks.
 //!
-//! A thread runs on memory of the test's that is filled with one pattern. What the thread has used is what differs from
-//! the pattern, so that a call that needs too much is measured, not fatal.
+//! The thread of the test runs on memory that the test has filled with a pattern. The memory that differs from the
+//! pattern is the used stack. A call that needs too much stack is therefore measured and does not crash.
 #![cfg(target_os = "linux")]
 
 use crate::host::c;
@@ -16,7 +16,7 @@ use std::ptr::null_mut;
 /// Stack of the measuring thread [bytes].
 const STACK: usize = 1 << 20;
 const PATTERN: u8 = 0xA5;
-/// The most that a thread with the call may use [bytes], in the profile of the tests (opt-level 2).
+/// The largest stack that a thread with the call may use [bytes], in the profile of the tests (opt-level 2).
 const MOST: usize = 64 << 10;
 
 /// Arguments and result of a call on the thread.
@@ -56,7 +56,7 @@ fn used(start: extern "C" fn(*mut c_void) -> *mut c_void, argument: *mut c_void)
     }
 }
 
-/// The most of the examples: a gear with stops and air, a curve over crossings, a jib with redundant joints.
+/// The largest of these examples: a gear with stops and air, a curve with crossings, a jib with redundant joints.
 #[test]
 fn an_instance_needs_little_stack() {
     for name in ["LandingGearRetraction", "FourBarChain", "CraneJib"] {

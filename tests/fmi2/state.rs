@@ -1,5 +1,5 @@
-//! Saved states through the C interface: the motion after a restored state has the bits of the motion after the saved
-//! one.
+//! Saved states through the C interface: after a state is restored, the motion is bit-identical to the motion after the
+//! state was saved.
 
 use crate::host::{self, FOLDER, Folder, Gear, mechanism};
 use linkage_fmu::codec::checksum::xxh64;
@@ -11,13 +11,13 @@ use std::path::Path;
 
 const STEPS: usize = 60;
 
-/// Parameters that are set before initialisation, and inputs that change during the run.
+/// Parameters that are set before the initialisation, and inputs that change during the run.
 struct Scenario {
     name: &'static str,
     method: &'static str,
     flags: &'static [(&'static str, bool)],
     parameters: &'static [(&'static str, f64)],
-    /// Whether air blows now and then, and locks engage.
+    /// Whether the airspeed changes and locks engage.
     weather: bool,
     /// Mean step [s].
     h: f64,
@@ -25,8 +25,8 @@ struct Scenario {
 
 const BASE: Scenario = Scenario { name: "", method: "reduced", flags: &[], parameters: &[], weather: false, h: 4e-3 };
 
-/// Friction with drag, locks and bouncing on both stops; steps that go on beyond the present; bumpers; no loss at all;
-/// finite elements.
+/// Friction with drag, locks and bouncing on both stops; short steps with steps ahead; bumpers; no losses; finite
+/// elements.
 const SCENARIOS: [Scenario; 6] = [
     Scenario {
         name: "friction and bouncing",
@@ -80,7 +80,7 @@ fn started(scenario: &Scenario) -> Gear {
     gear
 }
 
-/// Size of step `n` [s]: some are tiny, none like the one before.
+/// Size of step `n` [s]: some steps are tiny, and consecutive steps differ.
 fn h(scenario: &Scenario, n: usize) -> f64 {
     scenario.h * if n % 9 == 4 { 1e-4 } else { 0.3 + (n * 7 % 11) as f64 / 8.0 }
 }
@@ -109,7 +109,7 @@ fn outputs(gear: &Gear) -> Vec<(Status, u64)> {
     all
 }
 
-/// Steps `from` to `to` under changing inputs, with all outputs after each.
+/// Make the steps `from` to `to` under changing inputs. Returns all outputs after each step.
 fn run(gear: &Gear, scenario: &Scenario, from: usize, to: usize) -> Vec<Vec<(Status, u64)>> {
     let mut t = (0..from).fold(0.0, |t, n| t + h(scenario, n));
     let mut seen = Vec::new();
@@ -146,7 +146,7 @@ fn deserialize(gear: &Gear, bytes: &[u8]) -> Result<State, String> {
 }
 
 #[test]
-fn what_follows_has_the_same_bits() {
+fn steps_after_a_restored_state_are_bit_identical() {
     for scenario in &SCENARIOS {
         let gear = started(scenario);
         let mut reused = State::NONE;
@@ -193,9 +193,9 @@ fn what_follows_has_the_same_bits() {
     }
 }
 
-/// What counts is the values at a step, not the calls that set them, nor what is read and saved in between.
+/// Only the values at a step count, not the calls that set them, nor readings and saved states in between.
 #[test]
-fn values_set_away_and_back_leave_no_trace() {
+fn values_that_are_changed_and_restored_have_no_effect() {
     let names =
         ["actuator.force", "airspeed", "friction.kinetic_coefficient", "upstop.restitution", "solver.tolerance"];
     for scenario in &SCENARIOS {
@@ -300,21 +300,21 @@ fn a_state_outlives_its_instance() {
 /// Bytes of the check sum.
 const CHECK: usize = 8;
 
-/// The bytes with the right check sum.
+/// The bytes with a valid check sum.
 fn sealed(mut bytes: Vec<u8>) -> Vec<u8> {
     bytes.truncate(bytes.len() - CHECK);
     let check = xxh64(&bytes).to_le_bytes();
     [bytes, check.to_vec()].concat()
 }
 
-/// The bytes with the first `old` replaced, and the right check sum.
+/// The bytes with the first `old` replaced, and with a valid check sum.
 fn replaced(bytes: &[u8], old: f64, new: f64) -> Vec<u8> {
     let at = bytes.windows(8).position(|window| window == old.to_le_bytes()).unwrap();
     sealed([&bytes[..at], &new.to_le_bytes(), &bytes[at + 8..]].concat())
 }
 
 #[test]
-fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
+fn a_text_that_is_no_state_is_rejected_and_changes_nothing() {
     let scenario = &SCENARIOS[0];
     let gear = started(scenario);
     assert_eq!(gear.set("actuator.force", 12_345.678), Status::Ok);
@@ -361,17 +361,17 @@ fn a_string_that_is_no_state_is_refused_and_nothing_changes() {
     free(&gear, state);
 }
 
-/// Forged numbers in a state give a status other than fmi2Fatal.
+/// Forged numbers in a state never give the status fmi2Fatal.
 #[test]
-fn forged_numbers_are_refused_or_harmless() {
+fn forged_numbers_are_rejected_or_harmless() {
     let scenario = &SCENARIOS[0];
     let gear = started(scenario);
     assert_eq!(gear.set("actuator.force", 12_345.678), Status::Ok);
-    // The last of these is read from a step that goes on beyond it.
+    // The last of these steps is read from a step ahead.
     (0..10).for_each(|n| assert_eq!(gear.step(1e-3 * f64::from(n), 1e-3), Status::Ok));
     let state = gear.save();
     let bytes = gear.serialize(&state).unwrap();
-    // From the inputs on: other parameters are other mechanisms.
+    // Only the bytes from the inputs on are forged, because other parameters are another mechanism.
     let first = bytes.windows(8).position(|window| window == 12_345.678_f64.to_le_bytes()).unwrap();
     let mut accepted = 0;
     for at in first..bytes.len() - CHECK {
@@ -397,9 +397,9 @@ fn instantiate(folder: &Path) -> Host {
     Description::read(folder).and_then(|fmu| fmu.instantiate(Some(logger()), false)).unwrap()
 }
 
-/// Other pointers and wrong sizes are among the calls of `hostile`.
+/// The calls of `hostile` include other pointers and wrong sizes.
 #[test]
-fn a_state_of_another_fmu_is_refused() {
+fn a_state_of_another_fmu_is_rejected() {
     let gear = Gear::new();
     let other = instantiate(&Path::new(FOLDER).with_file_name("FourBar"));
     let (state, mut foreign) = (gear.save(), State::NONE);
@@ -418,7 +418,8 @@ fn a_state_of_another_fmu_is_refused() {
     free(&gear, state);
 }
 
-/// Two files with one interface differ in the guess, which chooses the assembly and is no parameter: the states differ.
+/// Two files with one interface differ in the guess, which selects the assembly and is no parameter. Their states are
+/// not exchangeable.
 #[test]
 fn numbers_of_the_file_that_are_no_parameters_must_agree() {
     let text = mechanism();

@@ -1,5 +1,5 @@
-//! Outputs that do not exist in a legal state, through the C functions: NaN, fmi2Warning and one line of the log, while
-//! all others are told.
+//! Outputs without a value in a valid state, through the C functions: NaN, fmi2Warning and one line of the log. All
+//! other outputs have values.
 
 use crate::host::{Folder, Gear};
 use linkage_fmu::fmi2::host::{Host, logger};
@@ -12,7 +12,7 @@ const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 /// Longest message [bytes].
 const LONGEST: usize = 1000;
 
-/// The bucket, about to swing through positions in which friction locks it against its cylinder, without loggingOn.
+/// The bucket before it swings through positions in which friction locks it against its cylinder, without loggingOn.
 fn bucket(name: &str) -> (Host, Vec<(String, u32)>) {
     let folder = Folder::new(name);
     let description = folder.described(BUCKET);
@@ -35,7 +35,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
     const STEP: f64 = 4e-3;
     let (host, outputs) = bucket("undefined");
     let references: Vec<u32> = outputs.iter().map(|(_, reference)| *reference).collect();
-    let (mut warned, mut told) = (0, 0);
+    let (mut warned, mut complete) = (0, 0);
     for k in 0..60 {
         let mut values = vec![7.0; references.len()];
         let status = host.reals(&references, &mut values);
@@ -45,7 +45,7 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
         let messages = host.log.take();
         if lacking.is_empty() {
             assert_eq!((status, messages.len()), (Status::Ok, 0));
-            told += 1;
+            complete += 1;
         } else {
             assert_eq!((status, messages.len()), (Status::Warning, 1), "{messages:?}");
             let message = &messages[0];
@@ -57,24 +57,24 @@ fn an_output_that_does_not_exist_is_nan_with_one_warning_and_ends_nothing() {
             );
             assert!(lacking.iter().all(|name| message.text.contains(name)), "{}", message.text);
             assert!(message.text.contains("the mechanism against the drive cylinder near "), "{}", message.text);
-            // One after the other: the same answers.
+            // Single readings give the same values.
             for (name, value) in lacking.iter().map(|name| (*name, f64::NAN)).chain([("bucket.speed", 0.0)]) {
                 let mut one = [1.0];
                 let status = host.reals(&[host.reference(name)], &mut one);
                 assert_eq!((status == Status::Warning, one[0].is_nan()), (value.is_nan(), value.is_nan()), "{name}");
             }
             assert_eq!(host.log.take().len(), lacking.len());
-            // A wrong call stays an error.
+            // A wrong call still returns an error.
             assert_eq!(host.reals(&[references[0], u32::MAX], &mut [0.0; 2]), Status::Error);
             host.log.take();
             warned += 1;
         }
         assert_eq!(host.step(f64::from(k) * STEP, STEP), Status::Ok);
     }
-    assert!(warned > 2 && told > 10, "{warned} {told}");
+    assert!(warned > 2 && complete > 10, "{warned} {complete}");
 }
 
-/// The derivatives of such outputs likewise.
+/// The derivatives of such outputs are NaN with a warning too.
 #[test]
 fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
     let (host, _) = bucket("derivatives");
@@ -106,7 +106,7 @@ fn a_derivative_that_does_not_exist_is_nan_with_a_warning() {
     assert!(warned > 2);
 }
 
-/// A message is one line of a bounded length, whatever the host passes.
+/// A message is one line of limited length, for any arguments of the host.
 #[test]
 fn a_line_of_the_log_is_bounded() {
     let gear = Gear::new();

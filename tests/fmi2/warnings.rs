@@ -1,4 +1,4 @@
-//! What a definition gives reason to warn of, in the log of the FMU.
+//! Warnings about a definition, in the log of the FMU.
 
 use crate::host::Folder;
 use linkage_fmu::fmi2::host::{Host, logger};
@@ -17,7 +17,7 @@ fn warnings(host: &Host) -> Vec<String> {
 }
 
 #[test]
-fn a_definition_is_warned_of_at_instantiation() {
+fn warnings_of_a_definition_are_logged_at_instantiation() {
     assert_eq!(warnings(&instance("no-warnings", GEAR, true)), [""; 0]);
     let odd = GEAR.replacen("\"up_angle\": 1.13", "\"up_angle\": 65", 1).replacen("\"enabled\": false, ", "", 1);
     assert_ne!(odd, GEAR);
@@ -29,7 +29,7 @@ fn a_definition_is_warned_of_at_instantiation() {
 }
 
 #[test]
-fn friction_that_locks_the_start_is_told_at_initialisation() {
+fn friction_that_locks_the_start_is_reported_at_initialisation() {
     let host = instance("locked", GEAR, true);
     host.set_boolean("friction.enabled", true);
     for (name, value) in [("friction.kinetic_coefficient", 0.19), ("crank.start_speed", -10.0)] {

@@ -1,4 +1,4 @@
-//! Event mode and early return: where steps end, what happens there, which calls are legal.
+//! Event mode and early return: ends of steps, handling of events, legal calls.
 use crate::{Fmu, RETRACTED};
 use linkage_fmu::fmi2::host::State;
 use linkage_fmu::fmi3::fmi3UpdateDiscreteStates;
@@ -14,7 +14,7 @@ fn wishes(event_mode: bool, early_return: bool) -> Wishes {
     Wishes { event_mode, early_return, ..Wishes::default() }
 }
 
-/// An instance of the gear in step mode, with these Reals set before.
+/// An instance of the gear in step mode, with these start values.
 fn started(wishes: Wishes, values: &[(&str, f64)]) -> Fmu {
     let event_mode = wishes.event_mode;
     let gear = Fmu::gear(wishes);
@@ -39,7 +39,7 @@ pub fn update(gear: &Fmu) -> (Status, [u8; 5]) {
     (unsafe { fmi3UpdateDiscreteStates(gear.instance(), a, b, c, d, e, &mut next) }, flags)
 }
 
-/// Handle the event at which a step has ended; whether the state has jumped.
+/// Handle the event at which a step has ended. Returns whether the state has jumped.
 fn handle_event(gear: &Fmu) -> bool {
     assert_eq!(gear.enter_event_mode(), Status::Ok);
     let (status, flags) = update(gear);
@@ -48,7 +48,7 @@ fn handle_event(gear: &Fmu) -> bool {
     flags[3] == 1
 }
 
-/// Step to a time, with all events on the way handled; their times.
+/// Steps to a time, with all events handled on the way. Returns the times of the events.
 fn run(gear: &Fmu, mut point: f64, stop: f64) -> Vec<f64> {
     let mut events = Vec::new();
     while point < stop {
@@ -82,7 +82,7 @@ fn a_step_ends_at_the_stop_and_the_impact_follows_in_event_mode() {
     assert!(!stepped.event && !stepped.early);
 }
 
-/// The same bounces as without event mode, which handles them within one step.
+/// Bounces in event mode agree with the bounces within one step without event mode.
 #[test]
 fn bounces_are_those_of_a_step_without_event_mode() {
     let names = ["crank.angle", "crank.speed", "energy.drift", "upstop.impact_count", "upstop.impact_time"];
@@ -95,7 +95,7 @@ fn bounces_are_those_of_a_step_without_event_mode() {
         let [[angle, speed, drift, count, time], others] = [&gear, &other].map(|fmu| fmu.get(names));
         assert!((angle - others[0]).abs() < 1e-11 && (speed - others[1]).abs() < 1e-8, "{stop}: {angle} {}", others[0]);
         assert!((drift - others[2]).abs() < 1e-7 && (time - others[4]).abs() < 1e-10, "{stop}: {drift} {time}");
-        // Whether the last of a series is a bounce or comes to rest is a matter of rounding.
+        // Rounding decides whether the mechanism bounces once more or rests at the end of a series.
         assert!(all.len() as f64 == count && (count - others[3]).abs() <= if stop == 0.4 { 1.0 } else { 0.0 });
         from = stop;
     }
@@ -115,9 +115,8 @@ fn a_lock_catches_in_event_mode() {
     assert!(!stepped.event && !stepped.early && gear.get(SPEED)[1] == 0.0);
 }
 
-/// Neither event mode alone nor early return alone ends a step at an event, and the bits stay.
-/// The pressure lock of the arm engages within a step. With event mode the step ends there, and the output changes when
-/// the event is handled, though no state jumps.
+/// The pressure lock of the arm engages within a step. With event mode the step ends at this instant, and the output
+/// changes when the event is handled, though no state jumps.
 #[test]
 fn a_pressure_lock_changes_in_event_mode() {
     const ARM: &str = include_str!("../../modelDescription/LiftArm/resources/mechanism.json");
@@ -137,7 +136,7 @@ fn a_pressure_lock_changes_in_event_mode() {
     assert_eq!(is_engaged(&arm), 0);
     assert!(!handle_event(&arm));
     assert_eq!(is_engaged(&arm), 1);
-    // Without event mode the step goes on.
+    // Without event mode the step continues.
     let other = Fmu::of(ARM, wishes(false, false));
     other.initialize(1e-9);
     other.whole_step(0.0, 1.0);
@@ -155,11 +154,11 @@ fn steps_are_whole_unless_both_are_used() {
 }
 
 #[test]
-fn states_of_every_phase_go_on() {
+fn saved_states_of_every_phase_continue() {
     let names = ["crank.angle", "crank.speed", "upstop.impact_count", "time"];
     let (gear, plain) = (with_events(&[("upstop.restitution", 0.4)]), started(Wishes::default(), &[]));
     let mut last = gear.step(0.0, 0.2).1.last;
-    // Before the event is handled, in event mode before it and after it, in step mode.
+    // States saved before the event, in event mode before and after it is handled, and in step mode.
     for phase in 0..4 {
         let mut state = gear.save();
         let bytes = gear.serialize(&state).unwrap();
@@ -189,7 +188,7 @@ fn states_of_every_phase_go_on() {
             ends.push((status, stepped, gear.get(names).map(f64::to_bits)));
         }
         assert!(ends[0] == ends[1] && ends[0] == ends[2], "{phase}: {ends:?}");
-        // An instance without event mode takes none but states of step mode without an event.
+        // An instance without event mode accepts only states of step mode without an event.
         let before = plain.get(names);
         assert_eq!(plain.restore(&state), if phase == 3 { Status::Ok } else { Status::Error }, "{phase}");
         assert!(phase == 3 || plain.get(names) == before);
@@ -208,7 +207,7 @@ fn states_of_every_phase_go_on() {
     }
 }
 
-/// A refused call changes nothing.
+/// A rejected call changes nothing.
 #[test]
 fn calls_are_legal_in_their_phases_only() {
     use Status::{Error, Ok};
@@ -217,7 +216,7 @@ fn calls_are_legal_in_their_phases_only() {
     assert_eq!((gear.enter(Some(TOLERANCE), 0.0, None), gear.evaluate()), (Ok, Ok));
     assert_eq!((gear.enter_event_mode(), gear.enter_step_mode()), (Error, Error));
     assert_eq!((update(&gear), gear.exit()), ((Error, [7; 5]), Ok));
-    // Event mode.
+    // Calls in event mode.
     let before = gear.get(names);
     let [angle, acceleration, force] = gear.vrs(["crank.angle", "crank.acceleration", "actuator.force"]);
     assert_eq!((gear.step(0.0, 0.1).0, gear.enter_event_mode(), gear.evaluate()), (Error, Error, Ok));
@@ -230,7 +229,7 @@ fn calls_are_legal_in_their_phases_only() {
     assert_eq!(unsafe { fmi3UpdateDiscreteStates(gear.instance(), a, b, d, e, nowhere, &mut 0.0) }, Error);
     assert_eq!((flags, gear.get(names)), ([7; 5], before));
     assert_eq!((update(&gear).0, gear.enter_step_mode()), (Ok, Ok));
-    // Step mode, and after a step that has ended at an event.
+    // Calls in step mode, and after a step that ended at an event.
     assert_eq!((update(&gear).0, gear.enter_step_mode(), gear.evaluate()), (Error, Error, Error));
     let last = gear.step(0.0, 0.2).1.last;
     let before = gear.get(names);
@@ -238,12 +237,12 @@ fn calls_are_legal_in_their_phases_only() {
     assert_eq!((gear.enter_event_mode(), gear.enter_step_mode()), (Ok, Error));
     assert_eq!((gear.get(names), gear.terminate()), (before, Ok));
     assert_eq!((update(&gear).0, gear.enter_step_mode(), gear.enter_event_mode()), (Error, Error, Error));
-    // Without event mode.
+    // Calls without event mode.
     let gear = started(Wishes::default(), &[]);
     assert_eq!((gear.enter_event_mode(), gear.step(0.0, 0.1).0), (Error, Ok));
 }
 
-/// However short a step is, it is done: at the start, on the way, and next to an event, which comes with its time.
+/// A step of any length is made: at the start, later, and near an event. The event occurs at its time.
 #[test]
 fn a_step_of_any_length_is_done_in_event_mode() {
     let folder = |name: &str| concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/").to_owned() + name;
@@ -254,7 +253,7 @@ fn a_step_of_any_length_is_done_in_event_mode() {
         let description = linkage_fmu::fmi2::host::Description::read(folder(name).as_ref()).unwrap();
         let gear = Fmu { host: Host::new(&description, wishes(true, true)).unwrap(), description };
         if drive == "valve.command" {
-            // Without the ramp, on which the command would be clipped.
+            // Without the ramp, which would clip the command.
             assert_eq!(gear.set("command.ramp_amplitude", 0.0), Status::Ok);
         }
         assert_eq!((gear.enter(None, 0.0, None), gear.exit()), (Status::Ok, Status::Ok));
@@ -268,7 +267,7 @@ fn a_step_of_any_length_is_done_in_event_mode() {
                 assert_eq!(status, Status::Ok);
                 (point, events) = (stepped.last, events + u32::from(stepped.event));
                 if stepped.event {
-                    // Nothing comes before an event, however short.
+                    // A step that ended at an event must be followed by event mode.
                     assert_eq!(gear.step(point, 5e-324).0, Status::Error);
                     handle_event(&gear);
                 }

@@ -1,4 +1,4 @@
-//! Tests through the C interface of FMI 3.0.2, also against the same calls of FMI 2.0.
+//! Tests through the C interface of FMI 3.0.2, partly against the same calls of FMI 2.0.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
 mod events;
@@ -67,7 +67,7 @@ impl Fmu {
         assert_eq!((self.enter(Some(tolerance), 0.0, None), self.exit()), (Status::Ok, Status::Ok));
     }
 
-    /// Value reference of a variable; the time's is the number of scalars, and vectors follow.
+    /// Value reference of a variable. The reference of the time is the number of scalars, and the vectors follow.
     fn vr(&self, name: &str) -> ValueReference {
         let list = self.description.interface().list();
         let scalars = list.iter().map(|v| v.name.clone()).chain(["time".to_owned()]);
@@ -99,7 +99,7 @@ impl Fmu {
         state
     }
 
-    /// A step that is done whole; the time reached.
+    /// A step that reaches its end.
     fn whole_step(&self, point: f64, h: f64) {
         let (status, stepped) = self.step(point, h);
         assert_eq!((status, stepped.event, stepped.terminate, stepped.early), (Status::Ok, false, false, false));

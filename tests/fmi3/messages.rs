@@ -1,4 +1,4 @@
-//! Messages name the types and functions of the version that the host speaks.
+//! Messages contain the types and functions of the FMI version of the host.
 use crate::Fmu;
 use crate::fmi2::Gear;
 use linkage_fmu::fmi2::host::Message;
@@ -9,7 +9,7 @@ use linkage_fmu::fmi3::host::Wishes;
 use linkage_fmu::fmi3::{fmi3GetInt32, fmi3SetString, fmi3SetUInt8};
 use std::ptr::null;
 
-/// Each refusal with the types that it names.
+/// Each message contains the expected types.
 fn assert_says(lines: &[Message], expected: &[(&str, &str)], foreign: &[&str]) {
     assert_eq!(lines.len(), expected.len(), "{lines:#?}");
     for (line, (function, words)) in lines.iter().map(|message| &message.text).zip(expected) {

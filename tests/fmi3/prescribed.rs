@@ -1,5 +1,6 @@
-//! Model exchange under a prescribed motion: outputs as in co-simulation at any time, kinks as time events, both sides
-//! of a jump of the force, motion by inputs, release and grip, saved states, refusals.
+//! Model exchange under a prescribed motion: outputs agree with co-simulation at any time, kinks are time events, and
+//! the force has values on both sides of a jump. Also motion by inputs, switching the drive off and on, saved states,
+//! rejected calls.
 use crate::Fmu;
 use crate::exchange::{rates, states};
 use crate::fmi2::Folder;
@@ -22,7 +23,7 @@ fn lift(motion: &Value) -> String {
     lift.to_string()
 }
 
-/// From 0.1 s on in 0.5 s over 1 m: 8 m/s2 for 1/4 s, and back. A kink in the middle, where the speed of 2 m/s is met.
+/// From 0.1 s on over 1 m in 0.5 s: 8 m/s2 for 1/4 s, then -8 m/s2. The kink in the middle is at the speed of 2 m/s.
 fn trapezoid() -> String {
     lift(&json!({ "profile": "trapezoid", "distance": 1, "speed": 4, "acceleration": 16, "start_time": 0.1 }))
 }
@@ -35,14 +36,14 @@ fn started(definition: &str, start: f64) -> (Fmu, Option<f64>) {
     (fmu, next)
 }
 
-/// From event mode to continuous-time mode; time of the next event.
+/// From event mode to continuous-time mode. Returns the time of the next event.
 fn event(fmu: &Fmu) -> Option<f64> {
     let (status, _, next) = fmu.update();
     assert_eq!((status, fmu.enter_continuous_time_mode()), (Ok, Ok));
     next
 }
 
-/// A step of the method of Heun, which is complete.
+/// A completed step of Heun's method.
 fn step(fmu: &Fmu, t: f64, h: f64) {
     let (y, begin) = (states(fmu), rates(fmu, states(fmu)));
     assert_eq!(fmu.set_time(t + h), Ok);
@@ -63,7 +64,7 @@ fn a_smooth_retraction_is_that_of_co_simulation_at_any_time() {
     for k in 1..=110 {
         other.whole_step(t, 0.01);
         t += 0.01;
-        // Trial states are of no account, and neither is the order of times.
+        // Trial states and the order of times do not matter.
         let back = start + t - 0.004 * f64::from(k % 3);
         assert_eq!((fmu.set_time(back), fmu.set_states(&[7.0, -1e9])), (Ok, Ok));
         fmu.get(names);
@@ -79,7 +80,7 @@ fn a_smooth_retraction_is_that_of_co_simulation_at_any_time() {
     }
 }
 
-/// m (g + a) before the kink, m (g - a) after it; the host's own integration has position and speed at all kinks.
+/// m (g + a) before the kink, m (g - a) after it. The host's integration agrees in position and speed at all kinks.
 #[test]
 fn kinks_are_events_with_both_sides_of_the_force() {
     let start = 5.0;
@@ -106,8 +107,9 @@ fn kinks_are_events_with_both_sides_of_the_force() {
     }
 }
 
-/// s = 0.5 + 0.2 sin 3 t: the inputs of any instant are the motion, and the force is m (g + s_ddot). Its derivatives
-/// are those of this law. Then the drive lets go, and the mass falls; the drive takes it only where it is.
+/// s = 0.5 + 0.2 sin 3 t: at each instant the inputs determine the motion, and the force is m (g + s_ddot). The
+/// derivatives agree with this law. When the drive is switched off, the mass falls. The drive can be switched on only
+/// at the position of the mass.
 #[test]
 fn a_motion_by_inputs_lets_go_and_grips() {
     let (fmu, next) = started(&lift(&json!({ "position": 0.5 })), 0.0);
@@ -156,7 +158,7 @@ fn a_motion_by_inputs_lets_go_and_grips() {
     assert!((fmu.get(["winch.position"])[0] - fallen).abs() < 1e-12);
     assert_eq!(fmu.enter_event_mode(), Ok);
     assert_eq!(fmu.set_boolean(enabled, 1), Ok);
-    // Somewhere else: refused until the position is that of the drive.
+    // At another position the call returns an error until the inputs state the position of the drive.
     assert_eq!(fmu.update().0, Error);
     let here = states(&fmu);
     assert_eq!(fmu.set_reals(&inputs, &[fallen, 0.25, 0.0]), Ok);
@@ -164,9 +166,10 @@ fn a_motion_by_inputs_lets_go_and_grips() {
     assert!((states(&fmu)[0] - here[0]).abs() < 1e-12 && (states(&fmu)[1] - 0.25 * MASS.sqrt()).abs() < 1e-12);
 }
 
-/// What a motion cannot reach is discarded, and a time before has values again. A bumper pushes where it is met.
+/// A position that the motion cannot reach gives a discarded call, and an earlier time has values again. A bumper acts
+/// on contact.
 #[test]
-fn what_cannot_be_reached_is_discarded() {
+fn a_step_to_an_unreachable_position_is_discarded() {
     let far = lift(&json!({ "profile": "cycloidal", "distance": 3, "duration": 1 }));
     let (fmu, _) = started(&far, 0.0);
     let (mut f, mut value) = ([0.0; 2], [0.0]);
@@ -190,7 +193,7 @@ fn what_cannot_be_reached_is_discarded() {
 }
 
 #[test]
-fn a_saved_state_goes_on_to_the_bit_and_both_versions_agree() {
+fn a_saved_state_continues_bit_identically_and_both_versions_agree() {
     let names = ["winch.position", "winch.acting_force"];
     let (fmu, next) = started(&trapezoid(), 0.0);
     assert_eq!((fmu.set_time(0.1), fmu.complete_step(), fmu.enter_event_mode()), (Ok, (Ok, false), Ok));
@@ -221,7 +224,7 @@ fn a_saved_state_goes_on_to_the_bit_and_both_versions_agree() {
         assert_eq!(rates(&fmu, y), rates(&fresh, y));
     }
     assert_eq!((fmu.free(&mut saved), fresh.free(&mut read)), (Ok, Ok));
-    // A closed curve: more than a turn of a crank, whose position states whole turns.
+    // A closed curve: more than one turn of a crank, whose position counts whole turns.
     let turns = json!({ "profile": "cycloidal", "distance": 5.0 * PI, "duration": 2 });
     let (crank, _) = started(&crank(&turns), 0.0);
     assert_eq!(crank.set_time(2.0 - 1e-9), Ok);
@@ -230,7 +233,7 @@ fn a_saved_state_goes_on_to_the_bit_and_both_versions_agree() {
     assert!((crank.get(["motor.angle"])[0] - 0.3).abs() < 1e-12);
 }
 
-/// A slider-crank whose crank is driven.
+/// A slider-crank with a driven crank.
 fn crank(motion: &Value) -> String {
     json!({
         "name": "Crank",

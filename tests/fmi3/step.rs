@@ -1,4 +1,4 @@
-//! Steps, derivatives and states against those of FMI 2.0, and what is refused.
+//! Steps, derivatives and states against those of FMI 2.0, and rejected calls.
 use crate::Fmu;
 use crate::fmi2::Gear;
 use linkage_fmu::fmi2::types::Status as Status2;
@@ -24,7 +24,7 @@ fn a_retraction_has_the_bits_of_fmi_2() {
     assert_eq!(gear.terminate(), Status::Ok);
 }
 
-/// y' J x from both sides.
+/// y' J x by adjoint and by directional derivatives.
 #[test]
 fn adjoint_and_directional_derivatives_agree() {
     let gear = Fmu::stepping();
@@ -51,7 +51,7 @@ fn adjoint_and_directional_derivatives_agree() {
 }
 
 #[test]
-fn a_state_goes_on_with_the_same_bits() {
+fn a_state_continues_bit_identically() {
     let names = ["crank.angle", "crank.speed", "time"];
     let gear = Fmu::stepping();
     gear.whole_step(0.0, 0.01);
@@ -69,7 +69,7 @@ fn a_state_goes_on_with_the_same_bits() {
 }
 
 #[test]
-fn what_is_wrong_is_refused_and_changes_nothing() {
+fn wrong_calls_are_rejected_and_change_nothing() {
     let gear = Fmu::stepping();
     let [angle, force, time] = gear.vrs(["crank.angle", "actuator.force", "time"]);
     let before = gear.read(&[angle, time]);

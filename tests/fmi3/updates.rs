@@ -1,4 +1,4 @@
-//! Intermediate updates: what the callback may do, and where it ends a step.
+//! Intermediate updates: allowed calls in the callback, and the end of a step that the callback requests.
 use crate::Fmu;
 use linkage_fmu::fmi3::fmi3FreeInstance;
 use linkage_fmu::fmi3::host::{Calls, Wishes};
@@ -8,26 +8,26 @@ use std::rc::Rc;
 
 const TOLERANCE: f64 = 1e-12;
 
-/// What the callback has read, times and angles of the crank; and the time [s] at which it asks for the end of the
-/// step, once it is called after the first one.
+/// Times and crank angles that the callback has read. From the first time [s] of `asks` on, the callback requests the
+/// end of the step at the second time.
 #[derive(Default)]
-struct Told {
+struct Updates {
     read: RefCell<Vec<[f64; 2]>>,
     asks: Cell<Option<[f64; 2]>>,
 }
 
-/// An instance in step mode, whose callback asks for nothing yet.
-fn told() -> (Fmu, Rc<Told>) {
-    let told = Rc::new(Told::default());
+/// An instance in step mode, whose callback requests nothing yet.
+fn with_updates() -> (Fmu, Rc<Updates>) {
+    let updates = Rc::new(Updates::default());
     let references = Fmu::stepping().vrs(["crank.angle", "time", "actuator.force"]);
-    let kept = Rc::clone(&told);
+    let kept = Rc::clone(&updates);
     let update = move |calls: &Calls, time: f64| {
         let [angle, now, force] = references;
         let mut values = [f64::NAN; 2];
         assert_eq!(calls.reals(&[angle, now], &mut values), Status::Ok);
         assert_eq!(values[1], time);
         kept.read.borrow_mut().push([time, values[0]]);
-        // Nothing but reading is allowed, and the instance stays.
+        // The callback may only read, and the instance remains valid.
         assert_eq!(calls.set_reals(&[force], &[1.0]), Status::Error);
         assert_eq!(calls.step(time, 1e-3).0, Status::Error);
         assert_eq!((calls.reset(), calls.terminate()), (Status::Error, Status::Error));
@@ -37,7 +37,7 @@ fn told() -> (Fmu, Rc<Told>) {
     };
     let gear = Fmu::gear(Wishes { early_return: true, update: Some(Box::new(update)), ..Wishes::default() });
     gear.initialize(TOLERANCE);
-    (gear, told)
+    (gear, updates)
 }
 
 fn angle_at(time: f64) -> f64 {
@@ -47,12 +47,12 @@ fn angle_at(time: f64) -> f64 {
     gear.get(["crank.angle"])[0]
 }
 
-/// Also past the impact on the up stop.
+/// The callback also reads values after the impact on the up stop.
 #[test]
 fn the_callback_reads_values_after_each_internal_step() {
-    let (gear, told) = told();
+    let (gear, updates) = with_updates();
     gear.whole_step(0.0, 0.15);
-    let read = told.read.take();
+    let read = updates.read.take();
     assert!(read.len() > 5 && read.windows(2).all(|pair| pair[0][0] < pair[1][0]));
     assert!(read.iter().all(|[time, _]| 0.0 < *time && *time < 0.15));
     for [time, angle] in read.into_iter().step_by(3) {
@@ -63,23 +63,23 @@ fn the_callback_reads_values_after_each_internal_step() {
 
 #[test]
 fn the_callback_ends_a_step() {
-    let (gear, told) = told();
+    let (gear, updates) = with_updates();
     let early = |point: f64, h: f64| {
         let (status, stepped) = gear.step(point, h);
         assert_eq!((status, stepped.event, stepped.early), (Status::Ok, false, true));
         stepped.last
     };
-    told.asks.set(Some([0.05, 0.0625]));
+    updates.asks.set(Some([0.05, 0.0625]));
     assert_eq!(early(0.0, 0.13), 0.0625);
     let [angle, time] = gear.get(["crank.angle", "time"]);
     assert!(time == 0.0625 && (angle - angle_at(0.0625)).abs() < 1e-9);
-    // A time in the past is now: the step ends after its first internal step.
-    told.asks.set(Some([0.0, -1.0]));
-    told.read.take();
+    // A requested time in the past ends the step after its first internal step.
+    updates.asks.set(Some([0.0, -1.0]));
+    updates.read.take();
     let last = early(0.0625, 0.0675);
-    let read = told.read.take();
+    let read = updates.read.take();
     assert_eq!((read.len(), last), (1, read[0][0]));
-    told.asks.set(None);
+    updates.asks.set(None);
     let (status, stepped) = gear.step(last, 0.13 - last);
     assert_eq!((status, stepped.event, stepped.early), (Status::Ok, false, false));
     assert!((gear.get(["crank.angle"])[0] - angle_at(0.13)).abs() < 1e-9);

@@ -4,7 +4,7 @@ use linkage_fmu::component::Component;
 use linkage_fmu::fmi3::types::{Status, ValueReference};
 use linkage_fmu::fmi3::*;
 
-/// The gear on its way, under forces along both axes.
+/// The gear in motion, under forces along both axes.
 fn moving() -> Fmu {
     let gear = Fmu::stepping();
     assert_eq!(gear.set_reals(&gear.vrs(["wheel.force_x", "wheel.force_y"]), &[700.0, -300.0]), Status::Ok);
@@ -13,7 +13,7 @@ fn moving() -> Fmu {
 }
 
 const NAMES: [&str; 5] = ["joint2.reaction", "wheel.position", "time", "crank.angle", "wheel.velocity"];
-/// The same, element after element.
+/// The elements of the vectors as scalars.
 const SCALARS: [&str; 8] = [
     "joint2.force_x",
     "joint2.force_y",
@@ -26,14 +26,14 @@ const SCALARS: [&str; 8] = [
 ];
 
 #[test]
-fn elements_are_read_in_order_beside_scalars() {
+fn elements_are_read_in_order_together_with_scalars() {
     let gear = moving();
     let whole = gear.vrs(NAMES);
     let mut values = [f64::NAN; 8];
     assert_eq!(gear.reals(&whole, &mut values), Status::Ok);
     assert_eq!(values.map(f64::to_bits), gear.get(SCALARS).map(f64::to_bits));
     assert!(values.iter().all(|value| *value != 0.0), "{values:?}");
-    // The last: as many values as variables, one of which is a vector.
+    // Last case: as many values as variables, although one variable is a vector.
     let mut untouched = [7.0; 9];
     for (variables, wrong) in [(5, 0), (5, 5), (5, 7), (5, 9), (1, 1)] {
         assert_eq!(gear.reals(&whole[..variables], &mut untouched[..wrong]), Status::Error);
@@ -93,7 +93,7 @@ fn derivatives_of_vectors_are_those_of_their_elements() {
     for unfit in [whole[0], time] {
         assert_eq!(gear.derivative(false, &scalars, &[unfit], &[1.0], &mut one), Status::Error);
     }
-    // A seed that is no number is refused.
+    // A seed that is NaN or infinite is rejected.
     for seed in [f64::NAN, f64::INFINITY] {
         let seeds = [1.0, 1.0, seed, -1.0, 1.0];
         assert_eq!(gear.derivative(true, &whole, &knowns, &seeds, &mut back), Status::Error, "{seed}");
@@ -104,7 +104,7 @@ fn derivatives_of_vectors_are_those_of_their_elements() {
     assert_eq!(one, before);
 }
 
-/// Dependencies of a variable: the element, and the known.
+/// Dependencies of a variable: index of the element, and reference of the known.
 fn dependencies(gear: &Fmu, reference: ValueReference) -> Vec<(usize, ValueReference)> {
     let (c, mut count) = (gear.instance(), 0);
     // SAFETY: the instance is valid, and the arrays have the length that is passed.
@@ -122,7 +122,7 @@ fn dependencies(gear: &Fmu, reference: ValueReference) -> Vec<(usize, ValueRefer
 }
 
 #[test]
-fn dependencies_are_told_for_each_element() {
+fn dependencies_are_given_for_each_element() {
     let gear = Fmu::gear(Default::default());
     let names = ["joint2.reaction", "crank.angle", "joint2.force", "actuator.force", "crank.start_angle"];
     let [reaction, angle, magnitude, force, start] = gear.vrs(names);
@@ -146,9 +146,9 @@ fn dependencies_are_told_for_each_element() {
     }
 }
 
-/// A marker may be called as a prismatic joint, which has a position of its own.
+/// A marker may have the name of a prismatic joint, which has a variable `position` too.
 #[test]
-fn a_vector_whose_name_a_scalar_has_is_left_out() {
+fn a_vector_with_the_name_of_a_scalar_is_omitted() {
     let text = include_str!("../../modelDescription/SliderCrank/resources/mechanism.json");
     let mut definition: serde_json::Value = serde_json::from_str(text).unwrap();
     definition["markers"]["cylinder"] = serde_json::json!({ "at": "piston.origin" });

@@ -28,12 +28,12 @@ CARGO = ["cargo", "run", "--release", "--quiet", "--manifest-path", str(REPOSITO
 
 
 MESSAGES: dict[int, list[str]] = {}
-"""Messages of each instance, by the environment it hands back; 0: of instances that FMPy itself makes. FMPy's proxy
-knows one logger for the whole process."""
+"""Messages of each instance, by its environment pointer; 0: instances that FMPy itself creates. FMPy's proxy has one
+logger for the whole process."""
 
 
 def log(environment: int | None, _name: bytes, _status: int, _category: bytes, message: bytes) -> None:
-    """The one logger."""
+    """The common logger."""
     MESSAGES.setdefault(environment or 0, []).append(message.decode())
 
 
@@ -68,7 +68,7 @@ class Instance:
             raise RuntimeError("\n".join(self.messages)) from None
 
     def start(self, tolerance: float | None = None, **parameters: float) -> Instance:
-        """Initialise at t = 0; `__` in a keyword stands for the dot in a name."""
+        """Initialise at t = 0. `__` in a keyword stands for the dot in a name."""
         for name, value in parameters.items():
             self.set(name.replace("__", "."), value)
         self.slave.setupExperiment(tolerance=tolerance, startTime=0.0)
@@ -86,7 +86,7 @@ class Instance:
             set_values = self.slave.setBoolean if isinstance(value, bool) else self.slave.setReal
             set_values([self.references[name]], [value])
 
-    def told(self, name: str) -> bool:
+    def boolean(self, name: str) -> bool:
         """Read a Boolean."""
         return bool(self.slave.getBoolean([self.references[name]])[0])
 
@@ -104,7 +104,7 @@ class Instance:
         }
 
     def run(self, first: int, last: int, step: float) -> Instance:
-        """Steps number `first` to `last` - 1, all of one size."""
+        """Make steps number `first` to `last` - 1, all of one size."""
         for i in range(first, last):
             self.slave.doStep(i * step, step)
         return self
@@ -113,16 +113,16 @@ class Instance:
 Start = Callable[..., Instance]
 
 
-#: Where the packed FMUs are.
+#: Folder of the packed FMUs.
 FMU_FOLDER = Path(os.environ.get("LINKAGE_FMU_DIR", REPOSITORY / "target" / "fmu"))
-#: The packed FMUs of both versions of FMI, and those of FMI 2.0 alone.
+#: The packed FMUs of both FMI versions, and those of FMI 2.0 alone.
 BOTH_VERSIONS = sorted(FMU_FOLDER.glob("*.fmu"))
 FMUS = [path for path in BOTH_VERSIONS if not path.name.endswith(".fmi3.fmu")]
 
 
 @pytest.fixture(scope="session")
 def fmu() -> Path:
-    """The packed FMU; LINKAGE_FMU_DIR names another folder than target/fmu."""
+    """The packed FMU. The environment variable LINKAGE_FMU_DIR names another folder than target/fmu."""
     path = FMU_FOLDER / f"{NAME}.fmu"
     assert path.is_file(), f"{path} is missing; run `cargo fmu package`"
     return path
@@ -130,19 +130,19 @@ def fmu() -> Path:
 
 @pytest.fixture(scope="session")
 def extracted(fmu: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU's files, not to be changed."""
+    """The FMU's files, which a test must not change."""
     return Path(extract(fmu, str(tmp_path_factory.mktemp("fmu"))))
 
 
 @pytest.fixture
 def copied(extracted: Path, tmp_path: Path) -> Path:
-    """A copy of the FMU's files, to be changed."""
+    """A copy of the FMU's files, which a test may change."""
     return Path(shutil.copytree(extracted, tmp_path / "fmu"))
 
 
 @pytest.fixture
 def instantiate(extracted: Path) -> Iterator[Start]:
-    """Makes instances of the FMU and frees them after the test."""
+    """Creates instances of the FMU and frees them after the test."""
     instances: list[Instance] = []
 
     def make(folder: Path = extracted, guid: str | None = None) -> Instance:

@@ -32,7 +32,7 @@ from typing import Any
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 PROGRAM = os.environ.get("LINKAGE_FMU_PROGRAM", "")
-"""A program that is built already; else cargo builds it."""
+"""An existing binary of the program. Without it cargo builds the program."""
 CARGO = f"cargo run --release --quiet --manifest-path '{REPOSITORY / 'Cargo.toml'}' --package fmu-cli --"
 FENCE = re.compile(
     r"(?:^ *<!-- (?P<note>[^\n]*?) -->\n)?"
@@ -45,7 +45,7 @@ ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
 class Wrong(Exception):
-    """A page says what is not so."""
+    """A statement of a page is wrong."""
 
 
 @dataclass
@@ -71,7 +71,7 @@ def blocks(text: str) -> list[Block]:
 
 
 def merge(whole: dict[str, Any], part: dict[str, Any]) -> None:
-    """Put a part into a whole, entry by entry; null takes an entry away."""
+    """Merge a part into a whole, entry by entry. null removes an entry."""
     for key, value in part.items():
         if value is None:
             del whole[key]
@@ -82,7 +82,8 @@ def merge(whole: dict[str, Any], part: dict[str, Any]) -> None:
 
 
 def agree(expected: str, printed: str) -> bool:
-    """Whether two lines agree: in words, and in numbers to the last digit that the page shows; `...` ends one early."""
+    """Whether two lines agree: in words, and in numbers to the last digit that the page shows. `...` skips the rest of
+    a line."""
     if expected.endswith(" ..."):
         expected = expected.removesuffix(" ...").rstrip(",")
         if printed.startswith(expected):
@@ -96,7 +97,7 @@ def agree(expected: str, printed: str) -> bool:
 
 
 def near(expected: str, printed: str) -> bool:
-    """Whether a number is the one that the page shows, rounded or cut."""
+    """Whether a number agrees with the page, rounded or truncated."""
     mantissa, _, exponent = expected.lower().partition("e")
     decimals = len(mantissa.partition(".")[2])
     unit = 10.0 ** (int(exponent or 0) - decimals)
@@ -104,7 +105,7 @@ def near(expected: str, printed: str) -> bool:
 
 
 def compare(expected: str, printed: str) -> None:
-    """Hold what a page shows against what was printed."""
+    """Compare the output that a page shows with the printed output."""
     lines = [line for line in ANSI.sub("", printed).splitlines() if line.strip()]
     at, skipping = 0, False
     for line in expected.splitlines():
@@ -146,7 +147,7 @@ class Reader:
         self.environment = environment
 
     def run(self, block: Block) -> None:
-        """Do what a block says."""
+        """Run, write or check a block."""
         path = self.folder / (block.title or "")
         if block.note.startswith("not run"):
             self.printed = ""
@@ -205,7 +206,7 @@ def run(page: Path, folder: Path, fmus: Path, show: bool = False) -> None:
 
 
 def main() -> None:
-    """Run pages for whoever writes them."""
+    """Run pages for their authors."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("pages", nargs="+", type=Path)
     parser.add_argument("--pictures", action="store_true", help="keep the pictures that the pages show")

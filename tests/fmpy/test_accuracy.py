@@ -15,13 +15,15 @@ REFERENCE = {
 STEP = 1e-3
 """Communication step [s]."""
 FORCE = 30000.0
-"""Push of the actuator [N]."""
+"""Force of the actuator [N]."""
 ROUND_OFF = 1e-11
-"""Angle error at tolerance 1e-13: 100 x the tolerance, or the tables' 1e-13 relative grown over the run [rad]."""
+"""Angle error at tolerance 1e-13 [rad]: 100 x the tolerance, or the relative error 1e-13 of the tables, grown over the
+run."""
 GLOBAL_OVER_LOCAL = 100.0
-"""Promised ratio of the angle error at 0.13 s to the tolerance of one step [rad]."""
+"""Stated ratio of the angle error at 0.13 s to the tolerance of one step [rad]."""
 DRIFT_OF_WORK = 1e-9
-"""Energy drift over work done at tolerance 1e-12: the promised 100 x 1e-12, and a decade for angle-to-energy scale."""
+"""Energy drift divided by the work at tolerance 1e-12: the stated 100 x 1e-12, and a factor 10 for the scale of angle
+and energy."""
 
 
 @pytest.mark.parametrize("time", REFERENCE)
@@ -45,7 +47,7 @@ def test_tolerance_parameter_is_the_default(instantiate: Start) -> None:
 
 @pytest.mark.parametrize("tolerance", [1e-6, 1e-9, 1e-12])
 def test_splitting_a_step_changes_no_more_than_the_tolerance(instantiate: Start, tolerance: float) -> None:
-    """The yardstick is the state's own size: 1.24 rad and 30 rad/s at 0.13 s."""
+    """The error is relative to the size of the state: 1.24 rad and 30 rad/s at 0.13 s."""
     names = ("crank.angle", "crank.speed")
     whole = instantiate().start(tolerance=tolerance).run(0, 1, 0.13).get(*names)
     for steps in (130, 13000):
@@ -61,7 +63,7 @@ def test_energy_is_kept(instantiate: Start) -> None:
         now = instance.get("energy.kinetic", "energy.potential", "actuator.length", "energy.drift")
         work = FORCE * (now[2] - length)
         assert work > 0.0
-        # A drift within the round-off of the energies themselves says nothing.
+        # A drift within the rounding of the energies is not an error.
         bound = DRIFT_OF_WORK * work + 1e-15 * (abs(potential) + now[0] + abs(now[1]))
         assert abs(now[3]) <= bound, i
         assert abs(now[0] - kinetic + now[1] - potential - work) <= bound, i

@@ -11,22 +11,22 @@ from fmpy.fmi1 import FMICallException
 UP = -1.3
 """Angle of the crank at the up stop [rad]."""
 WITHOUT_FRICTION = 0.13205985274426
-"""Time at which the crank is there, by quadrature [s]."""
+"""Time at which the crank reaches this angle, by quadrature [s]."""
 WITH_FRICTION = 0.134488353
-"""The same with friction, 1.84 % more, by an independent Lagrange-multiplier code [s]."""
+"""The same time with friction, 1.84 % more, by an independent program with Lagrange multipliers [s]."""
 SPEED = 30.0
-"""Angular speed of the crank there, about [rad/s]."""
+"""Approximate angular speed of the crank at this angle [rad/s]."""
 TIME = 1e-8
-"""What the reference time with friction is good to, with the default tolerance 1e-9 [s]."""
+"""Accuracy of the reference time with friction, with the default tolerance 1e-9 [s]."""
 
 
 def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
     instance = instantiate().start()
-    assert instance.told("extended")
-    assert not instance.told("retracted")
+    assert instance.boolean("extended")
+    assert not instance.boolean("retracted")
     instance.run(0, 1, 0.2)
-    assert instance.told("retracted")
-    assert not instance.told("extended")
+    assert instance.boolean("retracted")
+    assert not instance.boolean("extended")
     angle, speed, torque = instance.get("crank.angle", "crank.speed", "upstop.torque")
     assert angle == pytest.approx(UP, abs=1e-12)
     assert speed == 0.0
@@ -34,7 +34,7 @@ def test_the_gear_goes_up_and_stays(instantiate: Start) -> None:
 
 
 @pytest.mark.parametrize(("friction", "time"), [(False, WITHOUT_FRICTION), (True, WITH_FRICTION)])
-def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: bool, time: float) -> None:
+def test_a_retraction_with_friction_has_the_reference_time(instantiate: Start, friction: bool, time: float) -> None:
     instance = instantiate()
     instance.set("upstop.enabled", False)
     instance.set("friction.enabled", friction)
@@ -44,8 +44,8 @@ def test_friction_takes_the_time_of_the_reference(instantiate: Start, friction: 
     assert abs(speed) == pytest.approx(SPEED, rel=0.05)
 
 
-def test_drag_by_hand(instantiate: Start) -> None:
-    """1/2 rho v2 S c with S = S0 |sin|; the leg points to theta - 2.4, the air flows along 1.13 - pi/2."""
+def test_drag_has_its_closed_form(instantiate: Start) -> None:
+    """1/2 rho v2 S c with S = S0 |sin|. The leg has the direction theta - 2.4, the air flows along 1.13 - pi/2."""
     facing = abs(math.sin(0.8 - 2.4 - (1.13 - math.pi / 2)))
     instance = instantiate().start(airspeed=70.0)
     leg, wheel = instance.get("leg.drag", "wheel.drag")
@@ -57,28 +57,29 @@ def test_drag_by_hand(instantiate: Start) -> None:
     assert instance.get("crank.angle")[0] > still.get("crank.angle")[0] + 0.01
 
 
-def test_uplock_holds_and_lets_go(instantiate: Start) -> None:
+def test_uplock_holds_and_releases(instantiate: Start) -> None:
     instance = instantiate().start()
     instance.set("uplock.engage", True)
     instance.run(0, 2, 0.1)
     instance.set("actuator.force", 0.0)
     instance.run(2, 4, 0.1)
-    assert instance.told("retracted")
+    assert instance.boolean("retracted")
     speed, torque, force = instance.get("crank.speed", "upstop.torque", "uplock.force")
     assert (speed, torque) == (0.0, 0.0)
     assert force > 0.0
     instance.set("uplock.engage", False)
     instance.run(4, 5, 0.1)
-    assert not instance.told("retracted")
+    assert not instance.boolean("retracted")
     assert instance.get("crank.speed")[0] > 0.0
 
 
 def test_downlock_holds_against_the_actuator(instantiate: Start) -> None:
-    """Virtual work: what exceeds the holding force, times the actuator's speed over the wheel's."""
+    """Virtual work: the excess over the holding force times the speed of the actuator, divided by the speed of the
+    wheel."""
     instance = instantiate()
     instance.set("downlock.engage", True)
     instance.start().run(0, 3, 0.1)
-    assert instance.told("extended")
+    assert instance.boolean("extended")
     angle, speed, force, holding = instance.get(
         "crank.angle", "crank.speed", "downlock.force", "actuator.holding_force"
     )
@@ -97,7 +98,7 @@ def test_dropped_gear_comes_to_rest(instantiate: Start) -> None:
         speeds += instance.get("crank.speed")
     assert min(speeds) < -0.1, "it bounced"
     assert speeds[-1] == 0.0
-    assert instance.told("extended")
+    assert instance.boolean("extended")
     assert instance.get("crank.angle")[0] == pytest.approx(0.8, abs=1e-12)
 
 
@@ -114,7 +115,7 @@ def test_dropped_gear_comes_to_rest(instantiate: Start) -> None:
         ("leg.width", -0.1),
     ],
 )
-def test_value_out_of_range_is_refused_by_name(instantiate: Start, name: str, value: float) -> None:
+def test_value_out_of_range_is_rejected_with_its_name(instantiate: Start, name: str, value: float) -> None:
     instance = instantiate()
     with pytest.raises(FMICallException):
         instance.set(name, value)
@@ -129,7 +130,7 @@ def test_value_out_of_range_is_refused_by_name(instantiate: Start, name: str, va
         ({"crank__start_angle": -1.31}, "upstop.angle = -1.3"),
     ],
 )
-def test_contradiction_is_refused_by_name(instantiate: Start, values: dict[str, float], fragment: str) -> None:
+def test_contradiction_is_rejected_with_its_name(instantiate: Start, values: dict[str, float], fragment: str) -> None:
     instance = instantiate()
     with pytest.raises(FMICallException):
         instance.start(**values)

@@ -1,4 +1,4 @@
-"""The bound on the work of a step: FMPy ends a discarded step with a message, and the FMU tells how far it got."""
+"""The bound on the work of a step: FMPy ends a discarded step with a message, and the FMU reports the time reached."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from fmpy.fmi1 import FMICallException
 from fmpy.fmi2 import fmi2Discard, fmi2DoStepStatus, fmi2LastSuccessfulTime, fmi2Terminated
 
 SPAN = 0.13
-"""Communication step that takes more integration steps than the bound allows [s]."""
+"""Communication step that needs more integration steps than the bound allows [s]."""
 
 
-def test_a_discarded_step_tells_how_far_it_got(instantiate: Start) -> None:
+def test_a_discarded_step_returns_the_time_reached(instantiate: Start) -> None:
     instance = instantiate().start(solver__max_steps=5.0)
     with pytest.raises(FMICallException) as refused:
         instance.slave.doStep(0.0, SPAN)

@@ -1,4 +1,4 @@
-"""Another multibody program with a HydraulicSystem FMU: errors of the crane's angles against one system of both."""
+"""A multibody program with a HydraulicSystem FMU: errors of the crane's angles against both as one system."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ ERRORS = (
     (crane.TWO_PASSES, 1e-3, 2e-8),
     (crane.TWO_PASSES, 5e-3, 1e-5),
 )
-"""Scheme, communication step [s], allowed error of an angle [rad]: up to twice what was measured."""
+"""Scheme, communication step [s], allowed error of an angle [rad]: up to twice the measured error."""
 
 
 @pytest.fixture(scope="module")
@@ -46,7 +46,7 @@ def test_a_plain_exchange_is_lost(fmu: Path) -> None:
 
 
 def test_apparent_mass_and_load_are_those_of_the_accelerations() -> None:
-    """m s'' = F - W, and m is the force over the change of s'' that it causes."""
+    """m s'' = F - W. The apparent mass m is the force divided by the change of s'' that it causes."""
     q, w, forces = np.array([0.7, -1.1]), np.array([0.2, -0.3]), np.array([4e4, 2e4])
 
     def accelerations(forces: np.ndarray) -> np.ndarray:

@@ -1,4 +1,4 @@
-"""The demo of gear and hydraulic actuator: every scheme is as accurate as measured; table and plot are written."""
+"""The demo of gear and hydraulic actuator: each scheme has its measured accuracy; the demo writes table and plot."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ ERRORS = {
     "preview, force with its rate": (2e-7, 2e-4),
     "preview, two passes": (5e-9, 2e-5),
 }
-"""Allowed error of the angle [rad], and energy that the coupling may make [J] of 792 J, in steps of 1 ms."""
+"""Allowed error of the angle [rad], and energy that the coupling may add [J] of 792 J, in steps of 1 ms."""
 RETRACTION_TIME = 4.065842490726519
-"""Time at which the gear is up [s], by an independent integration of gear and hydraulics as one system."""
+"""Time at which the gear is up [s], by an independent integration of gear and hydraulics as a single system."""
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
-    """What the demo prints, and the folder of what it writes."""
+    """The output of the demo, and the folder with its files."""
     out = tmp_path_factory.mktemp("demo")
     names = ("LandingGearRetraction", "HydraulicActuator", "LandingGearRetractionHydraulic")
     fmus = [str(FMU_FOLDER / f"{name}.fmu") for name in names]
@@ -35,7 +35,7 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, Path]:
 
 
 @pytest.mark.parametrize("scheme", ERRORS)
-def test_each_preview_meets_its_figures(made: tuple[str, Path], scheme: str) -> None:
+def test_each_preview_has_its_stated_accuracy(made: tuple[str, Path], scheme: str) -> None:
     number = r"(\S+)"
     line = (
         rf"{scheme} +up after {number} s +largest errors {number} rad, \S+ N, energy created by the coupling {number} J"
@@ -43,14 +43,14 @@ def test_each_preview_meets_its_figures(made: tuple[str, Path], scheme: str) -> 
     found = re.search(line, made[0])
     assert found, made[0]
     time, angle, energy = map(float, found.groups())
-    # The angle's error by its speed of 0.13 rad/s, and what the last half millisecond adds by extrapolation.
+    # Error of the angle divided by the speed of 0.13 rad/s, and the error of the extrapolation over the last 0.5 ms.
     assert time == pytest.approx(RETRACTION_TIME, abs=1e-8 + ERRORS[scheme][0] / 0.13)
     assert 0.0 < angle <= ERRORS[scheme][0]
     assert 0.0 < energy <= ERRORS[scheme][1]
 
 
 def test_the_whole_system_is_the_reference(made: tuple[str, Path]) -> None:
-    """The errors are taken against it."""
+    """All errors refer to the single system."""
     found = re.search(r"as one system +differs from the reference by (\S+) rad, (\S+) N", made[0])
     assert found, made[0]
     assert float(found[1]) < 1e-11

@@ -1,4 +1,4 @@
-"""Directional derivatives, rates of outputs and inputs that change within a step, as FMPy calls them."""
+"""Directional derivatives, rates of outputs and inputs that change within a step, through FMPy."""
 
 from __future__ import annotations
 
@@ -29,15 +29,16 @@ def test_directional_derivatives_are_those_of_differences(instantiate: Start) ->
     knowns = [instance.references[name] for name in INPUTS]
     values = instance.get(*INPUTS)
     seeds = [300.0, 0.02, -50.0]
-    told = instance.slave.getDirectionalDerivative(unknowns, knowns, seeds)
+    derivatives = instance.slave.getDirectionalDerivative(unknowns, knowns, seeds)
     ends = []
     for sign in (1.0, -1.0):
         instance.slave.setReal(knowns, [value + sign * seed for value, seed in zip(values, seeds, strict=True)])
         ends.append(instance.get(*OUTPUTS))
-    for name, slope, high, low in zip(OUTPUTS, told, *ends, strict=True):
-        # All but the size of a force are affine in the inputs; its second derivative is small here.
+    for name, slope, high, low in zip(OUTPUTS, derivatives, *ends, strict=True):
+        # All outputs but the size of a force are affine in the inputs. The second derivative of this size is small
+        # here.
         assert slope == pytest.approx((high - low) / 2.0, rel=1e-3 if name == "joint2.force" else 1e-9, abs=1e-9), name
-    assert told[-1] == 0.0
+    assert derivatives[-1] == 0.0
     with pytest.raises(FMICallException):
         instance.slave.getDirectionalDerivative(knowns, knowns, seeds)
     assert "actuator.force" in instance.messages[-1]

@@ -1,4 +1,4 @@
-"""modelDescription.xml against the standard's schema and FMPy's rules, and the layout of the zip."""
+"""modelDescription.xml against the standard's schema and FMPy's rules, and the layout of the zip file."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from fmpy import read_model_description, sharedLibraryExtension
 from fmpy.validation import validate_fmu
 
 LONGEST_PACKAGING = 900.0
-"""Time in which packing must end, a cold build included [s]."""
+"""Time limit for packing, including a cold build [s]."""
 
 
-def test_validation_reports_nothing(fmu: Path) -> None:
+def test_validation_reports_no_fault(fmu: Path) -> None:
     assert validate_fmu(str(fmu)) == []
 
 

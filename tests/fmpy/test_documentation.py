@@ -1,4 +1,4 @@
-"""What an FMU tells of itself, held against FMPy: reference results, the notebook that FMPy makes, pictures."""
+"""The documentation in an FMU, compared with FMPy: reference results, the notebook that FMPy creates, pictures."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ RESULTS = "extra/org.fmi-standard.fmi-ls-ref"
 LAYERED = "{http://fmi-standard.org/fmi-ls-manifest}"
 #: Roles of the layered standard.
 ROLES = {"result", "other", "model", "document"}
-#: Outputs that are rounding alone.
+#: Outputs that consist of rounding only.
 ERRORS = {"energy.drift", "energy.balance"}
-#: Part of a column's largest value by which rounded inputs may change it: the tolerance is 1e-9 a step.
+#: Allowed change of a column by rounded inputs, relative to its largest value. The tolerance is 1e-9 per step.
 ROUNDED = 1e-6
-#: Difference of a column that is rounding alone, such as a force of a joint on a line [SI units].
+#: Allowed difference of a column that consists of rounding only, such as a force of a joint on a line [SI units].
 NOTHING = 1e-9
 
 
@@ -37,8 +37,8 @@ def unpacked(fmu: Path, folder: Path) -> Path:
 
 @pytest.mark.parametrize("fmu", FMUS, ids=[fmu.stem for fmu in FMUS])
 def test_the_reference_results_are_those_of_the_fmu(fmu: Path, tmp_path: Path) -> None:
-    """FMPy's run of the packed library in steps of the default size has every bit of the results in the FMU. With their
-    inputs, which FMPy interpolates and so rounds, it has them to the tolerance."""
+    """FMPy's run of the packed library in steps of the default size is bit-identical to the results in the FMU. With
+    their inputs, which FMPy interpolates and so rounds, it agrees to the tolerance."""
     folder = unpacked(fmu, tmp_path)
     manifest = etree.parse(folder / RESULTS / "fmi-ls-manifest.xml").getroot()
     assert manifest.tag == "fmiReferences"
@@ -73,7 +73,7 @@ def test_the_reference_results_are_those_of_the_fmu(fmu: Path, tmp_path: Path) -
 @pytest.mark.parametrize("fmu", FMUS, ids=[fmu.stem for fmu in FMUS])
 def test_fmpys_notebook_runs(fmu: Path, tmp_path: Path) -> None:
     """`fmpy create-jupyter-notebook`: the notebook is valid, and its cells run to the end as one program, with the plot
-    that docs/viewers.md names. Plotly draws it; the browser that would show it is left out."""
+    that docs/viewers.md names. Plotly draws it. No browser shows it."""
     shutil.copy(fmu, tmp_path)
     create_jupyter_notebook(str(tmp_path / fmu.name))
     notebook = nbformat.read(tmp_path / f"{fmu.stem}.ipynb", as_version=4)
@@ -101,12 +101,12 @@ def test_pictures_are_pictures(tmp_path: Path) -> None:
             pixels = archive.read("model.png")
             assert archive.read("terminalsAndIcons/icon.png") == pixels
             root = etree.fromstring(archive.read("terminalsAndIcons/icon.svg"))
-        # Width and height in the header of PNG.
+        # Width and height in the header of the PNG file.
         assert (pixels[:8], pixels[16:24]) == (b"\x89PNG\r\n\x1a\n", b"\x00\x00\x01\x00" * 2), fmu.stem
         assert root.get("viewBox") == "0 0 256 256"
 
 
-def test_own_files_win_and_what_is_not_wanted_stays_out(tmp_path: Path) -> None:
+def test_own_files_replace_generated_ones_and_excluded_files_are_omitted(tmp_path: Path) -> None:
     folder = tmp_path / "FourBar"
     shutil.copytree(REPOSITORY / "modelDescription" / "FourBar", folder)
     (folder / "documentation").mkdir()

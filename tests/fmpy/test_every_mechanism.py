@@ -1,5 +1,5 @@
-"""Every FMU of this repository through FMPy: it validates, it runs by default, and every output is finite; with
-friction every output is finite or does not exist for a reason."""
+"""Every FMU of this repository through FMPy: it is valid, its default run works, and every output is finite. With
+friction every output is finite or has a reason for having no value."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from conftest import BOTH_VERSIONS, FMUS
 from fmpy import read_model_description, simulate_fmu
 from fmpy.validation import validate_fmu
 
-#: Part of the largest kinetic energy; the default tolerance is 1e-9, and some hundred steps add up.
+#: Allowed drift, relative to the largest kinetic energy. The default tolerance is 1e-9, and some hundred steps add up.
 DRIFT = 1e-8
 
 
@@ -36,7 +36,7 @@ def test_default_experiment(fmu: Path) -> None:
 
 @pytest.mark.parametrize("fmu", BOTH_VERSIONS, ids=[fmu.stem for fmu in BOTH_VERSIONS])
 def test_default_experiment_with_friction(fmu: Path) -> None:
-    """FMPy records every output in each step. A force of a drive may not exist where friction locks the mechanism."""
+    """FMPy records every output in each step. If friction locks the mechanism, a force of a drive may have no value."""
     names = {variable.name for variable in read_model_description(str(fmu)).modelVariables}
     if "friction.enabled" not in names:
         pytest.skip("no friction")
@@ -44,8 +44,8 @@ def test_default_experiment_with_friction(fmu: Path) -> None:
     locked = [name for name in result.dtype.names if name.endswith(".self_locking")]
     assert locked
     for name in result.dtype.names:
-        told = np.isfinite(result[name])
+        defined = np.isfinite(result[name])
         drive, _, term = name.rpartition(".")
         if term.startswith(("required_force", "breakaway_")):
-            told |= result[f"{drive}.self_locking"].astype(bool)
-        assert np.all(told), name
+            defined |= result[f"{drive}.self_locking"].astype(bool)
+        assert np.all(defined), name

@@ -1,4 +1,4 @@
-"""FMUs of FMI 3.0: the standard's schema, FMPy as host, and the same bits as FMI 2.0."""
+"""FMUs of FMI 3.0: the standard's schema, FMPy as host, and results bit-identical to FMI 2.0."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_both_versions_are_valid_and_alike(folder: Path, name: str) -> None:
+def test_both_versions_are_valid_and_equal(folder: Path, name: str) -> None:
     second, third = folder / f"{name}.fmu", folder / f"{name}.fmi3.fmu"
     assert validate_fmu(str(second)) == []
     assert validate_fmu(str(third)) == []
@@ -103,7 +103,7 @@ def test_vectors_are_their_elements(folder: Path) -> None:
 
 @pytest.fixture
 def gear(folder: Path) -> Iterator[FMU3Slave]:
-    """An instance of FMI 3.0 in step mode; `references` are those of its variables by name."""
+    """An instance of FMI 3.0 in step mode. `references` contains the references of its variables by name."""
     unpacked = extract(str(folder / f"{NAME}.fmi3.fmu"))
     description = read_model_description(unpacked)
     instance = FMU3Slave(
@@ -147,7 +147,7 @@ def test_states_derivatives_and_time(gear: FMU3Slave) -> None:
 
 
 @pytest.mark.parametrize(("version", "extension"), [("2", "fmu"), ("3", "fmi3.fmu")])
-def test_one_version_alone_can_be_asked_for(tmp_path: Path, version: str, extension: str) -> None:
+def test_one_version_can_be_packed_alone(tmp_path: Path, version: str, extension: str) -> None:
     path = REPOSITORY / "modelDescription" / "SliderCrank"
     done = package(Path(), str(path), "--fmi", version, "--out", str(tmp_path), "--no-animation", "--no-results")
     assert done.returncode == 0, done.stderr
@@ -160,7 +160,7 @@ def test_the_system_is_one_of_fmi_2(tmp_path: Path) -> None:
 
 
 RETRACTED = 0.1320598527442597
-"""Time at which the crank reaches its up stop, from a quadrature in 34 digits [s]."""
+"""Time at which the crank reaches its up stop, from a quadrature with 34 digits [s]."""
 
 
 def test_steps_return_early_at_the_stop(folder: Path) -> None:
@@ -183,16 +183,16 @@ def test_steps_return_early_at_the_stop(folder: Path) -> None:
 
     whole, early = run(), run(use_event_mode=True, early_return_allowed=True)
     at_stop = early[np.abs(early["time"] - RETRACTED) < 1e-12]
-    # Before the impact, and after it.
+    # Before and after the impact.
     assert list(at_stop["upstop.impact_count"]) == [0, 1]
     assert at_stop["crank.speed"][1] == -0.125 * at_stop["crank.speed"][0]
     assert at_stop["upstop.impact_time"][1] == at_stop["time"][1]
-    # Whether the last of a series is a bounce or comes to rest is a matter of rounding.
+    # Rounding decides whether the mechanism bounces once more or rests at the end of a series.
     assert early["upstop.impact_count"][-1] == pytest.approx(whole["upstop.impact_count"][-1], abs=1)
     assert early["upstop.impact_count"][-1] > 5
     assert early["upstop.impact_time"][-1] == pytest.approx(whole["upstop.impact_time"][-1], abs=1e-10)
     assert early["crank.angle"][-1] == pytest.approx(whole["crank.angle"][-1], abs=1e-11)
-    # Event mode changes nothing where steps do not return early.
+    # Event mode changes nothing if steps do not return early.
     quiet = run(use_event_mode=True)
     for name in whole.dtype.names:
         assert np.array_equal(whole[name], quiet[name]), name
@@ -211,16 +211,16 @@ def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> No
         modelIdentifier=NAME,
         instanceName="gear",
     )
-    told: list[tuple[float, float]] = []
+    updates: list[tuple[float, float]] = []
 
     flags: set[tuple] = set()
 
-    # Exceptions would be lost here.
+    # Exceptions in the callback would be lost, so it only records values.
     def update(_environment: object, time: float, *arguments: object) -> None:
-        *told_flags, requested, stop = arguments
-        flags.add(tuple(told_flags))
-        told.append((time, instance.getFloat64([angle])[0]))
-        if len(told) == 3:
+        *step_flags, requested, stop = arguments
+        flags.add(tuple(step_flags))
+        updates.append((time, instance.getFloat64([angle])[0]))
+        if len(updates) == 3:
             requested[0], stop[0] = True, 0.09
 
     instance.instantiate(
@@ -231,13 +231,13 @@ def test_the_callback_reads_values_within_a_step_and_ends_it(folder: Path) -> No
     instance.enterInitializationMode(tolerance=1e-12, startTime=0.0)
     instance.exitInitializationMode()
     assert instance.doStep(0.0, 0.13) == (False, False, True, 0.09)
-    assert len(told) >= 3
+    assert len(updates) >= 3
     # Set requested, get allowed, step finished, can return early.
     assert flags == {(False, True, True, True)}
-    assert all(0.0 < time < 0.09 for time, _ in told)
+    assert all(0.0 < time < 0.09 for time, _ in updates)
     (at_end,) = instance.getFloat64([angle])
-    assert all(at_end < value < 0.8 for _, value in told)
-    told += [(0.0, 0.0)] * 3
+    assert all(at_end < value < 0.8 for _, value in updates)
+    updates += [(0.0, 0.0)] * 3
     assert instance.doStep(0.09, 0.04) == (False, False, False, 0.13)
     assert instance.getFloat64([angle])[0] == pytest.approx(-1.2377117266891367, abs=1e-10)
     instance.terminate()

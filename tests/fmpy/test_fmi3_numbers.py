@@ -16,7 +16,8 @@ from test_accuracy import GLOBAL_OVER_LOCAL, REFERENCE, ROUND_OFF, STEP
 
 FMU = FMU_FOLDER / f"{NAME}.fmi3.fmu"
 ROUNDING = 1e-12
-"""Of derivatives, relative to the sum of the magnitudes of their terms: a reaction is a difference of larger forces."""
+"""Error of derivatives, relative to the sum of the magnitudes of their terms: a reaction is a difference of larger
+forces."""
 
 NAME_OF = "friction.kinetic_coefficient"
 """A tunable parameter."""
@@ -26,7 +27,7 @@ Make = Callable[..., FMU3Slave]
 
 @pytest.fixture
 def make() -> Iterator[Make]:
-    """Makes instances of FMI 3.0; `variables` are those of the description by name."""
+    """Creates instances of FMI 3.0. `variables` contains the variables of the description by name."""
     unpacked = extract(str(FMU))
     description = read_model_description(unpacked)
     made: list[FMU3Slave] = []
@@ -48,7 +49,7 @@ def make() -> Iterator[Make]:
 
 
 def started(instance: FMU3Slave, tolerance: float) -> FMU3Slave:
-    """In step mode, at the start of scene S1."""
+    """The instance in step mode, at the start of scene S1."""
     instance.enterInitializationMode(tolerance=tolerance, startTime=0.0)
     instance.exitInitializationMode()
     return instance
@@ -65,7 +66,7 @@ def test_s1_against_the_quadrature(make: Make, time: float, tolerance: float, bo
 
 
 def test_adjoint_and_directional_derivatives_are_one_matrix(make: Make) -> None:
-    """u' (J v) = (J' u)' v for random u and v, to rounding."""
+    """u' (J v) = (J' u)' v for random u and v, up to rounding."""
     instance = started(make(), 1e-9)
     instance.doStep(0.0, 0.05)
     outputs = [unknown.variable for unknown in instance.description.outputs]
@@ -92,12 +93,12 @@ def test_adjoint_and_directional_derivatives_are_one_matrix(make: Make) -> None:
         assert np.all(np.abs(forward - matrix @ v) <= ROUNDING * (np.abs(matrix) @ np.abs(v)) + 1e-300)
 
 
-def test_intermediate_updates_tell_every_internal_step(make: Make) -> None:
-    told: list[tuple[float, float]] = []
+def test_intermediate_updates_report_every_internal_step(make: Make) -> None:
+    updates: list[tuple[float, float]] = []
     lines: list[str] = []
 
     def update(_environment: object, time: float, *_arguments: object) -> None:
-        told.append((time, instance.getFloat64([angle])[0]))
+        updates.append((time, instance.getFloat64([angle])[0]))
 
     def log(_environment: object, _status: int, _category: bytes, message: bytes) -> None:
         lines.append(message.decode())
@@ -110,15 +111,15 @@ def test_intermediate_updates_tell_every_internal_step(make: Make) -> None:
     instance.terminate()
     (cost,) = (line for line in lines if line.startswith("terminated"))
     accepted = int(re.search(r"in (\d+) accepted steps", cost)[1])
-    # The last step ends with the communication step, which need not be told.
-    assert accepted - 1 <= len(told) <= accepted, cost
+    # The last internal step ends with the communication step and need not be reported.
+    assert accepted - 1 <= len(updates) <= accepted, cost
     assert accepted > 5
-    times = [time for time, _ in told]
+    times = [time for time, _ in updates]
     assert times == sorted(set(times))
     assert times[0] > 0.0
     assert times[-1] <= 0.13
-    # Each is a state of the motion: a step of another instance to the same time ends there.
-    for time, seen in told[:: max(1, len(told) // 5)]:
+    # Each reported state is a state of the motion: a step of another instance to the same time ends there.
+    for time, seen in updates[:: max(1, len(updates) // 5)]:
         other = started(make(), 1e-12)
         other.doStep(0.0, time)
         assert other.getFloat64([angle])[0] == pytest.approx(seen, abs=ROUND_OFF, rel=0.0)
@@ -162,7 +163,7 @@ def test_enumerations_have_items(make: Make) -> None:
     for i in range(20):
         seen.append(instance.getInt64([mode.valueReference])[0])
         instance.doStep(i * 0.02, 0.02)
-    # At rest on the down stop, on its way, at rest on the up stop.
+    # At rest on the down stop, in motion, at rest on the up stop.
     assert seen[0] == 3
     assert 1 in seen
     assert seen[-1] == 3
@@ -179,7 +180,7 @@ def test_bounds_sizes_and_rates_are_declared() -> None:
         assert float(variables["along_curve.position"].nominal) > 0.0
 
 
-def test_licences_are_told_and_packed() -> None:
+def test_licences_are_listed_and_packed() -> None:
     for extension in ("fmu", "fmi3.fmu"):
         with zipfile.ZipFile(FMU_FOLDER / f"{NAME}.{extension}") as archive:
             names = archive.namelist()

@@ -14,8 +14,8 @@ from test_own_mechanism import package
 
 TOLERANCE = 1e-12
 CUSHIONS = 0.321909557380281, 3.635331912853703
-"""Times at which cushion A ends and cushion B begins in the retraction of the reference, gear and hydraulics as one
-system [s]."""
+"""Times at which cushion A ends and cushion B starts in the retraction of the reference, gear and hydraulics as a
+single system [s]."""
 SHARED = (
     "length",
     "speed",
@@ -63,7 +63,7 @@ class Fmu:
         return bool(self.slave.getBoolean([self.references[name]])[0])
 
     def step(self, time: float, size: float) -> tuple[bool, float]:
-        """A step; whether it has led to an event, and the time reached."""
+        """Make a step. Returns whether an event has occurred, and the time reached."""
         event, terminate, early, last = self.slave.doStep(time, size)
         assert not terminate
         assert early == (last < time + size)
@@ -138,7 +138,7 @@ def test_a_lock_releases_in_event_mode_alone(system: Fmu) -> None:
     assert pressure == pytest.approx(6e6, rel=1e-6)
 
 
-def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
+def test_gear_and_actuator_reach_the_cushions_together(folder: Path) -> None:
     """The pair repeats the step up to an event with both FMUs."""
     gear = Fmu(folder / "LandingGearRetraction.fmi3.fmu")
     oil = Fmu(folder / "HydraulicActuator.fmi3.fmu")
@@ -147,8 +147,8 @@ def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
     names = [f"actuator.{name}" for name in SHARED]
 
     def connect(size: float) -> None:
-        told = dict(zip((name.replace(".", "__") for name in names), gear.get(*names), strict=True))
-        oil.set(preview__horizon=size, **told)
+        motion = dict(zip((name.replace(".", "__") for name in names), gear.get(*names), strict=True))
+        oil.set(preview__horizon=size, **motion)
 
     connect(1e-3)
     gear.start(actuator__force=0.0)
@@ -157,7 +157,7 @@ def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
     while time < 3.7:
         size = 1e-3
         saved = [fmu.slave.getFMUState() for fmu in (gear, oil)]
-        # With the size of the step to the event, both FMUs come there.
+        # With the step size to the event, both FMUs reach the event.
         for _ in range(3):
             connect(size)
             gear.set(actuator__force=oil.get("preview.force_mean")[0])
@@ -176,7 +176,7 @@ def test_gear_and_actuator_meet_the_cushions_together(folder: Path) -> None:
                 fmu.handle()
         time = reached
     for reference in CUSHIONS:
-        # The coupling with a held mean force errs by some 7e-6 rad, at 0.6 rad/s.
+        # The coupling with a held mean force has an error of some 7e-6 rad, at 0.6 rad/s.
         assert min(abs(event - reference) for event in found) < 2e-5
     gear.close()
     oil.close()

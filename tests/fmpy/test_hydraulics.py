@@ -1,4 +1,4 @@
-"""The packed HydraulicActuator through FMPy: description, defaults, the reference run H0, saved states, refusals."""
+"""The packed HydraulicActuator in FMPy: description, defaults, reference run H0, saved states, rejected calls."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from fmpy.validation import validate_fmu
 
 FMU = FMU_FOLDER / "HydraulicActuator.fmu"
 AMBIENT = 101325.0
-"""Ambient pressure, by which gauge pressures are made absolute [Pa]."""
+"""Ambient pressure, the difference between absolute and gauge pressures [Pa]."""
 AREAS = (0.0015904312808798326, 0.0010995574287564274)
 """Areas of the piston on the sides of chamber A and B [m2]."""
 H0 = {
@@ -27,16 +27,17 @@ H0 = {
     0.7: (20758479.10734, 407524.025005, 0.4, 32867.0547105),
     1.0: (28266440.30796, 40292.352995, 0.4, 45186.8166759),
 }
-"""Pressures of A and B [Pa], spool, force [N] at some times [s]: two methods that agree to 5e-12 of the pressures."""
+"""Pressures of A and B [Pa], spool, force [N] at some times [s]: two methods agree to 5e-12 of the pressures."""
 DIGITS = 1e-10
-"""Allowed error, relative: of a pressure to its absolute value, of a force to the larger force of the two pressures."""
+"""Allowed relative error: a pressure relative to its absolute value, a force relative to the larger of both pressure
+forces."""
 
 Actuator = Iterator[Instance]
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU's files, not to be changed."""
+    """The FMU's files, which a test must not change."""
     assert FMU.is_file(), f"{FMU} is missing; run `cargo fmu package HydraulicActuator`"
     return Path(extract(FMU, str(tmp_path_factory.mktemp("hydraulics"))))
 
@@ -50,7 +51,7 @@ def actuator(folder: Path) -> Actuator:
 
 
 def start_h0(instance: Instance) -> Instance:
-    """Initialised as in H0: the motion is given, the command is 0.4 from the start."""
+    """Initialised for H0: the motion is given, the command is 0.4 from the start on."""
     instance.set("chamber_b.start_pressure", 8e6)
     instance.set("actuator.length", 0.50)
     instance.set("actuator.speed", 0.10)
@@ -59,7 +60,7 @@ def start_h0(instance: Instance) -> Instance:
 
 
 def move(instance: Instance, now: float, step: float) -> None:
-    """One step under the motion of H0: length 0.50 + 0.10 t - 0.075 t^2, its speed with the derivative -0.15."""
+    """One step under the motion of H0: length 0.50 + 0.10 t - 0.075 t^2, and its speed with the derivative -0.15."""
     instance.set("actuator.length", 0.50 + 0.10 * now - 0.075 * now * now)
     instance.set("actuator.speed", 0.10 - 0.15 * now)
     instance.slave.setRealInputDerivatives([instance.references["actuator.speed"]], [1], [-0.15])
@@ -88,7 +89,7 @@ def test_start_values_are_those_of_the_binary(actuator: Instance) -> None:
 
 
 def test_with_defaults_the_cylinder_is_held() -> None:
-    """Nothing is commanded, nothing moves: leakage alone changes the pressures, and the energies balance."""
+    """Without command and motion only leakage changes the pressures, and the energies balance."""
     result = simulate_fmu(str(FMU))
     assert result["time"][-1] == pytest.approx(float(read_model_description(str(FMU)).defaultExperiment.stopTime))
     for name in result.dtype.names:
@@ -125,7 +126,7 @@ def test_h0_with_derivatives_of_the_speed(actuator: Instance, step: float) -> No
 
 
 def test_without_derivatives_the_speed_is_held(actuator: Instance) -> None:
-    """The test above sees the derivatives: without them it is off by much more than it allows."""
+    """Without derivatives of the speed the error is far larger than the test above allows."""
     start_h0(actuator)
     for i in range(100):
         actuator.set("actuator.length", 0.50 + 0.10 * i * 1e-3 - 0.075 * (i * 1e-3) ** 2)
@@ -135,7 +136,7 @@ def test_without_derivatives_the_speed_is_held(actuator: Instance) -> None:
 
 
 def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: Path) -> None:
-    def go_on(instance: Instance) -> list[dict[str, str]]:
+    def continued(instance: Instance) -> list[dict[str, str]]:
         seen = []
         for i in range(45, 90):
             move(instance, i * 1e-3, 1e-3)
@@ -147,9 +148,9 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
         move(actuator, i * 1e-3, 1e-3)
     state = actuator.slave.getFMUstate()
     text = actuator.slave.serializeFMUstate(state)
-    first = go_on(actuator)
+    first = continued(actuator)
     actuator.slave.setFMUstate(state)
-    assert go_on(actuator) == first
+    assert continued(actuator) == first
     actuator.slave.freeFMUstate(state)
     other = Instance(folder)
     try:
@@ -157,7 +158,7 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
         state = other.slave.deSerializeFMUstate(text)
         other.slave.setFMUstate(state)
         other.slave.freeFMUstate(state)
-        assert go_on(other) == first
+        assert continued(other) == first
         with pytest.raises(FMICallException):
             other.slave.deSerializeFMUstate(text[:-1])
     finally:
@@ -165,7 +166,7 @@ def test_a_run_is_repeated_from_a_serialised_state(actuator: Instance, folder: P
 
 
 @pytest.mark.parametrize("length", [0.40, 0.75])
-def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: float) -> None:
+def test_a_length_beyond_the_cylinder_is_rejected(actuator: Instance, length: float) -> None:
     actuator.start()
     actuator.slave.doStep(0.0, 1e-3)
     before, valid = actuator.outputs(), actuator.get("actuator.length")[0]
@@ -181,7 +182,7 @@ def test_a_length_beyond_the_cylinder_is_refused(actuator: Instance, length: flo
     actuator.slave.doStep(1e-3, 1e-3)
 
 
-def test_a_step_that_leaves_the_cylinder_is_refused(actuator: Instance) -> None:
+def test_a_step_that_leaves_the_cylinder_is_rejected(actuator: Instance) -> None:
     actuator.set("actuator.length", 0.7415)
     actuator.set("actuator.speed", 1.0)
     actuator.start()

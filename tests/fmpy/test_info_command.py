@@ -1,4 +1,4 @@
-"""`cargo fmu info` and `validate`: what FMPy reads, and each way in which an FMU can be spoiled."""
+"""`cargo fmu info` and `validate`: agreement with FMPy, and every kind of damage of an FMU."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ Change = Callable[[str, bytes], tuple[str, bytes] | None]
 
 @pytest.fixture
 def command(tmp_path: Path) -> Command:
-    """`cargo fmu` with these arguments, called in a folder of its own."""
+    """`cargo fmu` with these arguments, called in a separate folder."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
         words = [*CARGO, "fmu-build", "--", *map(str, arguments)]
@@ -31,7 +31,7 @@ def command(tmp_path: Path) -> Command:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="glibc is Linux's")
-def test_the_needed_glibc_is_told(command: Command, extracted: Path) -> None:
+def test_the_required_glibc_is_reported(command: Command, extracted: Path) -> None:
     library = extracted / "binaries" / "linux64" / f"{NAME}.so"
     asked = {version.decode() for version in re.findall(rb"GLIBC_(2\.\d+(?:\.\d+)?)\0", library.read_bytes())}
     newest = max(asked, key=lambda version: [int(part) for part in version.split(".")])
@@ -46,26 +46,26 @@ def test_the_needed_glibc_is_told(command: Command, extracted: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [NAME, "HydraulicActuator"])
-def test_info_tells_what_fmpy_reads(command: Command, name: str) -> None:
+def test_info_agrees_with_fmpy(command: Command, name: str) -> None:
     fmu = FMU_FOLDER / f"{name}.fmu"
     done = command("info", fmu, "--json")
     assert done.returncode == 0, done.stderr
-    told = json.loads(done.stdout)
+    info = json.loads(done.stdout)
     read = read_model_description(str(fmu))
-    assert (told["fmi_version"], told["name"], told["guid"]) == (read.fmiVersion, read.modelName, read.guid)
-    assert told["description"] == read.description
-    assert told["generation_tool"] == read.generationTool
+    assert (info["fmi_version"], info["name"], info["guid"]) == (read.fmiVersion, read.modelName, read.guid)
+    assert info["description"] == read.description
+    assert info["generation_tool"] == read.generationTool
     kinds = {"CoSimulation": read.coSimulation, "ModelExchange": read.modelExchange}
-    assert told["interfaces"] == {kind: offered.modelIdentifier for kind, offered in kinds.items() if offered}
-    assert told["platforms"] == fmpy.supported_platforms(str(fmu))
+    assert info["interfaces"] == {kind: offered.modelIdentifier for kind, offered in kinds.items() if offered}
+    assert info["platforms"] == fmpy.supported_platforms(str(fmu))
     experiment = read.defaultExperiment
-    assert told["experiment"] == {
+    assert info["experiment"] == {
         "start_time": float(experiment.startTime),
         "stop_time": float(experiment.stopTime),
         "step_size": float(experiment.stepSize),
         "tolerance": float(experiment.tolerance),
     }
-    for here, there in zip(told["variables"], read.modelVariables, strict=True):
+    for here, there in zip(info["variables"], read.modelVariables, strict=True):
         assert here == {
             "name": there.name,
             "reference": str(there.valueReference),
@@ -128,7 +128,7 @@ def cut(part: str, size: int) -> Change:
         (without("binaries"), "contains no library", False),
         (cut("binaries", 5000), ".so", False),
         (without("modelDescription"), "contains no modelDescription.xml", False),
-        # Between two elements, and within a word.
+        # Truncated between two elements, and within a word.
         (cut("modelDescription", 3000), "the text is not XML", False),
         (cut("modelDescription", 2990), "the text is not XML", False),
         (without("mechanism.json"), "contains no resources/mechanism.json", False),
@@ -139,22 +139,22 @@ def cut(part: str, size: int) -> Change:
         ),
     ],
 )
-def test_what_is_spoiled_is_told(
+def test_corrupted_files_are_reported(
     command: Command, fmu: Path, tmp_path: Path, change: Change, said: str, is_valid: bool
 ) -> None:
-    spoiled = tmp_path / "spoiled gear.fmu"
-    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(spoiled, "w", zipfile.ZIP_DEFLATED) as target:
+    damaged = tmp_path / "damaged gear.fmu"
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(damaged, "w", zipfile.ZIP_DEFLATED) as target:
         for name in source.namelist():
             entry = change(name, source.read(name))
             if entry is not None:
                 target.writestr(*entry)
-    done = command("validate", spoiled.name)
+    done = command("validate", damaged.name)
     assert said in done.stdout, done.stdout + done.stderr
     assert done.returncode == (0 if is_valid else 1)
-    assert done.stdout.splitlines()[-1].startswith(f"spoiled gear.fmu: {'valid' if is_valid else 'not valid'}: ")
+    assert done.stdout.splitlines()[-1].startswith(f"damaged gear.fmu: {'valid' if is_valid else 'not valid'}: ")
 
 
-def test_damaged_bytes_are_told(command: Command, fmu: Path, tmp_path: Path) -> None:
+def test_damaged_bytes_are_reported(command: Command, fmu: Path, tmp_path: Path) -> None:
     whole = fmu.read_bytes()
     for name, content in [
         ("half.fmu", whole[: len(whole) // 2]),

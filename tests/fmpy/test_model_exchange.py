@@ -22,16 +22,16 @@ SCENES: dict[str, tuple[float, dict[str, float | bool | str]]] = {
     "friction": (0.13, {"friction.enabled": True}),
     "caught by the lock": (0.2, {"uplock.engage": True, "upstop.restitution": 0.5}),
 }
-"""Stop time [s] and start values that differ from those of the file, by what happens."""
+"""Stop time [s] and start values that differ from those of the file, by scene."""
 
 EXTENSIONS = {"2.0": "fmu", "3.0": "fmi3.fmu"}
-"""Of the packed FMUs, by version of FMI."""
+"""File extension of the packed FMUs, by version of FMI."""
 
 OUTPUTS = ["crank.angle", "crank.speed", "wheel.x"]
 TOLERANCES = [1e-6, 1e-9]
-"""Relative tolerances of CVode; its local errors add up over some hundred steps."""
+"""Relative tolerances of CVode. Its local errors add up over some hundred steps."""
 BOUND = 100.0
-"""Largest difference allowed, in tolerances; 1e-6 of the largest value is allowed always."""
+"""Largest allowed difference, in tolerances. A difference of 1e-6 of the largest value is always allowed."""
 
 
 def largest_differences(fmu: Path, scene: str, tolerance: float) -> dict[str, float]:
@@ -41,7 +41,7 @@ def largest_differences(fmu: Path, scene: str, tolerance: float) -> dict[str, fl
     own = simulate_fmu(str(fmu), fmi_type="CoSimulation", relative_tolerance=1e-11, **common)
     theirs = simulate_fmu(str(fmu), fmi_type="ModelExchange", solver="CVode", relative_tolerance=tolerance, **common)
     assert theirs["time"][-1] == pytest.approx(stop)
-    # Events add rows: of equal times the last one counts.
+    # Events add rows. Of several rows with one time the last one counts.
     at = np.searchsorted(theirs["time"], own["time"] + 1e-9) - 1
     assert np.allclose(theirs["time"][at], own["time"], atol=1e-9)
     return {n: float(np.max(np.abs(theirs[n][at] - own[n])) / np.max(np.abs(own[n]))) for n in OUTPUTS}

@@ -1,4 +1,4 @@
-"""The packed HydraulicSystem through FMPy: the order of door and gear, balances, saved states, derivatives."""
+"""The packed HydraulicSystem through FMPy: the sequence of door and gear, balances, saved states, derivatives."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STEP = 1e-3
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU's files, not to be changed."""
+    """The FMU's files, which a test must not change."""
     assert FMU.is_file(), f"{FMU} is missing; run `cargo fmu package modelDescription/HydraulicSystem`"
     return Path(extract(FMU, str(tmp_path_factory.mktemp("network"))))
 
@@ -41,12 +41,12 @@ def test_the_door_opens_before_the_gear_moves() -> None:
     opened, moved = first(result["door.length"] > 0.4949), first(result["gear.length"] < 0.7349)
     down = first(result["gear.length"] < 0.4186)
     assert 0 < released < opened < moved < down < 12
-    # The cylinders move 0.4 litres of oil; the integration has the tolerance 1e-9.
+    # The cylinders move 0.4 litres of oil. The integration has the tolerance 1e-9.
     assert np.abs(result["volume.balance"]).max() < 1e-12 * 4e-4
     assert np.abs(result["energy.balance"]).max() < 1e-7 * result["energy.throttling"][-1]
 
 
-def test_a_saved_state_continues_alike(folder: Path) -> None:
+def test_a_saved_state_continues_bit_identically(folder: Path) -> None:
     instance = Instance(folder).start().run(0, 300, STEP)
     state = instance.slave.getFMUState()
     saved = instance.slave.serializeFMUState(state)

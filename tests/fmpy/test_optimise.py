@@ -1,4 +1,5 @@
-"""`cargo fmu optimise`: no design of an independent search is better; the same bytes whatever the threads; Ctrl-C."""
+"""`cargo fmu optimise`: no design of an independent search is better; bytes do not depend on the number of threads;
+Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,26 +17,26 @@ import pytest
 from conftest import CARGO, REPOSITORY
 
 PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-"""The program itself, where it is built already."""
+"""An existing binary of the program."""
 COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-studies", "--"]
 STUDY = REPOSITORY / "docs" / "studies" / "least_force.json"
 TAKEN = ("crank.actuator_x", "follower.actuator_y")
 """Two of the four coordinates, so that few samples are dense."""
 SAMPLES = 1000
 NEAR = 0.02
-"""Half the side of the box around the optimum that is sampled too, as a part of the whole."""
+"""Half the side of the additionally sampled box around the optimum, relative to the whole range."""
 
 Row = dict[str, str]
 
 
 def run(*arguments: str) -> None:
-    """A command, which must end well."""
+    """Run a command, which must succeed."""
     done = subprocess.run([*COMMAND, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
     assert done.returncode == 0, done.stdout
 
 
 def reduced(evaluations: int) -> dict[str, Any]:
-    """The worked study with two coordinates, coarser steps and so many evaluations."""
+    """The study of the example with two coordinates, coarser steps and this number of evaluations."""
     study = json.loads(STUDY.read_text(encoding="utf-8"))
     study["mechanism"] = str(STUDY.parent / study["mechanism"])
     study["factors"] = {name: study["factors"][name] for name in TAKEN}
@@ -52,13 +53,13 @@ def written(folder: Path, study: dict[str, Any], name: str) -> str:
 
 
 def rows(path: Path) -> list[Row]:
-    """A table."""
+    """Rows of a table."""
     with path.open(encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file))
 
 
 def keeps(row: Row, study: dict[str, Any]) -> bool:
-    """Whether a run keeps all limits."""
+    """Whether a run satisfies all limits."""
     limits = study["constraints"].items()
     return row["failed"] == "0" and all(
         limit.get("at_least", float("-inf")) <= float(row[name]) <= limit.get("at_most", float("inf"))
@@ -67,7 +68,7 @@ def keeps(row: Row, study: dict[str, Any]) -> bool:
 
 
 def sampled(folder: Path, study: dict[str, Any], bounds: dict[str, tuple[float, float]], name: str) -> list[Row]:
-    """Independent samples of designs within these bounds, made by `cargo fmu sweep`."""
+    """Independent samples of designs within these bounds, computed by `cargo fmu sweep`."""
     other = {key: value for key, value in study.items() if key not in ("objective", "constraints", "search")}
     other["factors"] = {name: {"uniform": list(ends)} for name, ends in bounds.items()}
     other["sampling"] = {"method": "random", "count": SAMPLES, "seed": 11}
@@ -90,7 +91,7 @@ def test_no_sampled_design_is_better_and_the_best_one_is_written(tmp_path: Path)
     assert peak < optimum["present"]["responses"]["peak"]
     assert optimum["evaluations"] <= 600
 
-    # The rows say so too, and an independent search finds nothing better, far or near.
+    # The rows agree, and an independent search finds no better design in the whole range or near the optimum.
     evaluations = rows(tmp_path / "1" / "evaluations.csv")
     assert len(evaluations) == optimum["evaluations"] + 1
     assert min(float(row["peak"]) for row in evaluations if keeps(row, study)) == peak
@@ -105,10 +106,10 @@ def test_no_sampled_design_is_better_and_the_best_one_is_written(tmp_path: Path)
     assert len(near) > 20
     assert peak < min(far)
     assert peak < min(near)
-    # Close to an optimum there are designs that are hardly worse.
+    # Close to an optimum there are designs that are only slightly worse.
     assert min(near) < 1.01 * peak
 
-    # The definition that was written has the best values and gives the same responses.
+    # The written definition has the best values and gives the same responses.
     as_written = {key: value for key, value in study.items() if key not in ("objective", "constraints", "search")}
     as_written |= {"mechanism": str(tmp_path / "1" / "mechanism.json"), "factors": {}}
     run("sweep", written(tmp_path, as_written, "again.json"), "--csv", "--out", str(tmp_path / "again"))
@@ -120,12 +121,12 @@ def test_no_sampled_design_is_better_and_the_best_one_is_written(tmp_path: Path)
 
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGINT")
 def test_a_search_that_is_ended_gives_the_best_so_far(tmp_path: Path) -> None:
-    # The environment of the optimiser is there after this.
+    # Afterwards the environment of the optimiser exists.
     run("optimise", written(tmp_path, reduced(20), "short.json"), "--out", str(tmp_path / "short"))
     study = json.loads(STUDY.read_text(encoding="utf-8")) | {"search": {"evaluations": 1_000_000}}
     study["mechanism"] = str(STUDY.parent / study["mechanism"])
     path, out = written(tmp_path, study, "study.json"), tmp_path / "out"
-    # On a slow machine the optimiser may ask for its first design late.
+    # On a slow machine the optimiser may request its first design late.
     for wait in (4.0, 20.0, 80.0):
         shutil.rmtree(out, ignore_errors=True)
         optimum = ended_after(wait, path, out)
@@ -138,21 +139,21 @@ def test_a_search_that_is_ended_gives_the_best_so_far(tmp_path: Path) -> None:
 
 
 def ended_after(wait: float, path: str, out: Path) -> dict[str, Any]:
-    """What is told of a search that is ended as by Ctrl-C some seconds after its beginning."""
+    """The report of a search that a Ctrl-C ends this number of seconds after its start."""
     command = [*COMMAND, "optimise", path, "--csv", "--out", str(out)]
-    # A session of its own, so that the whole group is told, as by a terminal.
+    # A separate session, so that the whole group receives the signal, as from a terminal.
     process = subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True
     )
     limit = time.monotonic() + 600
-    # The folder is made before the optimiser starts.
+    # The folder is created before the optimiser starts.
     while not out.exists() and time.monotonic() < limit and process.poll() is None:
         time.sleep(0.02)
     time.sleep(wait)
     os.killpg(process.pid, signal.SIGINT)
     said, _ = process.communicate(timeout=120)
     if not (out / "optimum.json").exists():
-        # It was ended before the first design was evaluated.
+        # The search ended before the first design was evaluated.
         return {"evaluations": 0}
     assert process.returncode == 130, said
     return json.loads((out / "optimum.json").read_text(encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""A user's own mechanism, anywhere on disk: written, packed by `cargo fmu package`, simulated."""
+"""A user's mechanism in any folder: written, packed by `cargo fmu package`, simulated."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ROD = 0.3
 SPEED = 20.0
 """Angular speed of the crank at the start [rad/s]."""
 ROUNDING = 1e-12
-"""Distance [m] between positions and the closed form: tables are resolved to about 1e-13 of the mechanism's size."""
+"""Distance [m] of positions from the closed form. The errors of the tables are about 1e-13 of the mechanism's size."""
 
 
 def mechanism() -> dict[str, Any]:
@@ -82,7 +82,7 @@ def test_is_valid(packed: Path) -> None:
     assert validate_fmu(str(packed)) == []
 
 
-def test_schema_lies_beside_the_mechanism(packed: Path) -> None:
+def test_the_schema_is_in_the_folder_of_the_mechanism(packed: Path) -> None:
     with zipfile.ZipFile(packed) as fmu:
         inside = json.loads(fmu.read("resources/mechanism.json"))
         schema = json.loads(fmu.read(f"resources/{inside['$schema']}"))
@@ -103,7 +103,7 @@ def test_slider_follows_the_crank(packed: Path) -> None:
     np.testing.assert_allclose(result["guide.position"], position, rtol=0.0, atol=ROUNDING)
     np.testing.assert_allclose(result["piston.x"], position, rtol=0.0, atol=ROUNDING)
     np.testing.assert_allclose(result["piston.y"], 0.0, rtol=0.0, atol=ROUNDING)
-    # The derivative of the closed form; a speed is a position's rounding times the crank's speed.
+    # The derivative of the closed form. The rounding of a speed is that of a position times the crank's speed.
     along = -sine * (1.0 + CRANK * np.cos(angle) / reach)
     np.testing.assert_allclose(result["guide.speed"], along * speed, rtol=0.0, atol=10.0 * ROUNDING * SPEED)
     kinetic = result["energy.kinetic"][0]
@@ -111,7 +111,7 @@ def test_slider_follows_the_crank(packed: Path) -> None:
     assert np.max(np.abs(result["energy.drift"])) <= 1e-9 * kinetic
 
 
-def test_stands_beside_another_mechanism(packed: Path, extracted: Path, tmp_path: Path) -> None:
+def test_two_mechanisms_run_in_one_process(packed: Path, extracted: Path, tmp_path: Path) -> None:
     """One library under two names in one process: each instance has its own mechanism."""
     folders = [extracted, Path(extract(packed, str(tmp_path / "own")))]
 
@@ -133,7 +133,7 @@ def test_stands_beside_another_mechanism(packed: Path, extracted: Path, tmp_path
 
 
 def refused(done: subprocess.CompletedProcess[str]) -> str:
-    """The one line of a refusal; Cargo's own lines are indented."""
+    """The one line of an error message. Cargo's own lines are indented."""
     assert done.returncode == 1, done.stdout + done.stderr
     lines = [line for line in done.stderr.splitlines() if not line.startswith(" ")]
     assert len(lines) == 1, done.stderr
@@ -150,7 +150,7 @@ BAD_FILES: dict[str, tuple[str, list[str]]] = {
 
 
 @pytest.mark.parametrize("name", BAD_FILES)
-def test_bad_file_is_refused_with_its_faults(tmp_path: Path, name: str) -> None:
+def test_bad_file_is_rejected_with_its_faults(tmp_path: Path, name: str) -> None:
     text, fragments = BAD_FILES[name]
     (tmp_path / "bad.json").write_text(text, encoding="utf-8")
     done = package(tmp_path, "bad.json", "--out", "out")
@@ -160,7 +160,7 @@ def test_bad_file_is_refused_with_its_faults(tmp_path: Path, name: str) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
+def test_bad_path_is_rejected_in_one_line(tmp_path: Path) -> None:
     assert "no such file or folder" in refused(package(tmp_path, "nowhere.json"))
     assert "/dev/null: this is not a regular file" in refused(package(tmp_path, "/dev/null"))
     assert "contains no mechanism.json or hydraulics.json" in refused(package(tmp_path, "."))
@@ -172,7 +172,7 @@ def test_bad_path_is_refused_in_one_line(tmp_path: Path) -> None:
 
 
 def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
-    """A run that records every output goes on where a force of the drive does not exist."""
+    """A run that records every output continues where a force of the drive has no value."""
     fixture = REPOSITORY / "tests" / "fixtures" / "excavator_bucket.json"
     done = package(folder, str(fixture), "--out", "out")
     assert done.returncode == 0, done.stderr
@@ -183,15 +183,15 @@ def test_bucket_passes_where_friction_locks_it(folder: Path) -> None:
     locked = result["cylinder.self_locking"].astype(bool)
     assert 2 < np.count_nonzero(locked) < len(locked) - 10
     inverse = ("cylinder.required_force", "cylinder.breakaway_force_forward", "cylinder.breakaway_force_backward")
-    told = np.array([np.isfinite(result[name]) for name in inverse])
-    assert np.array_equal(np.all(told, axis=0), ~locked)
+    defined = np.array([np.isfinite(result[name]) for name in inverse])
+    assert np.array_equal(np.all(defined, axis=0), ~locked)
     assert [name for name in result.dtype.names if name not in inverse and not np.all(np.isfinite(result[name]))] == []
     assert result["bucket.angle"][-1] > 2.7
 
 
 @pytest.mark.parametrize("version", ["2", "3"])
-def test_a_mechanism_without_masses_has_its_motion_alone(folder: Path, version: str) -> None:
-    """The slider-crank mechanism without masses at constant speed of its crank, more than once round."""
+def test_a_mechanism_without_masses_has_only_its_motion(folder: Path, version: str) -> None:
+    """The slider-crank mechanism without masses at constant speed of its crank, over more than a turn."""
     own = mechanism()
     own["name"] = "Massless"
     own["bodies"] = {"ground": {}, "crank": {"length": CRANK}, "rod": {"length": ROD}, "slider": {}}

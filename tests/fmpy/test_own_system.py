@@ -122,7 +122,7 @@ def test_values_are_in_the_units_of_the_variables(packed: Path) -> None:
     }
 
 
-def test_fmpy_runs_the_package_as_the_closed_form_says(packed: Path) -> None:
+def test_fmpy_runs_the_package_as_in_closed_form(packed: Path) -> None:
     """The oscillator moves as x = a cos(omega t). The cart has a constant force in each step, so that its speed is the
     sum of the impulses. `simulate_ssp` sets the force to 0 in the first step, and later to the output of the step
     before."""
@@ -140,7 +140,7 @@ def test_fmpy_runs_the_package_as_the_closed_form_says(packed: Path) -> None:
     np.testing.assert_allclose(rows["cart.slide.speed"], speed, rtol=0.0, atol=1e-12)
 
 
-def test_a_wrong_system_is_refused_before_anything_is_written(packed: Path, tmp_path: Path) -> None:
+def test_a_wrong_system_is_rejected_before_anything_is_written(packed: Path, tmp_path: Path) -> None:
     system = {
         "name": "Wrong",
         "fmus": {"oscillator": str(packed.parent.parent / "oscillator.json")},

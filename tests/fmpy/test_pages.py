@@ -1,4 +1,4 @@
-"""Every command, program and JSON block of the documentation does what the page says."""
+"""Every command, program and JSON block of the documentation works as the page states."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ PAGES = [
     DOCS / "install.md",
     *sorted(page for kind in KINDS for page in (DOCS / kind).rglob("*.md") if page.name != "python.md"),
 ]
-"""The pages about Python need the module, and run in `tests/python`."""
+"""The pages about Python need the module. `tests/python` runs them."""
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: f"{page.parent.name}/{page.stem}")
@@ -27,7 +27,7 @@ def test_a_page_runs(page: Path, tmp_path: Path) -> None:
 
 
 def test_the_tutorial_ends_with_the_example(tmp_path: Path) -> None:
-    """Whoever follows the tutorial of the landing gear has the file of the repository in the end."""
+    """The tutorial of the landing gear leads to the definition file of the repository."""
     written: dict[str, object] = {}
     for block in pages.blocks((DOCS / "tutorials" / "landing-gear.md").read_text(encoding="utf-8")):
         if block.title == "gear.json":
@@ -41,7 +41,7 @@ def test_the_tutorial_ends_with_the_example(tmp_path: Path) -> None:
 
 
 def test_the_example_of_rust_is_compiled() -> None:
-    """The page shows the example of the module, which the compiler reads in every test run."""
+    """The page shows the example of the module, which the compiler compiles in every test run."""
     source = (REPOSITORY / "src" / "simulation.rs").read_text(encoding="utf-8")
     lines = [line.removeprefix("//!").removeprefix(" ") for line in source.splitlines() if line.startswith("//!")]
     start, end = lines.index("```no_run"), lines.index("```")

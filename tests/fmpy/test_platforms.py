@@ -16,7 +16,7 @@ from test_own_mechanism import package as package_in
 from test_own_mechanism import refused
 
 SHIPPED = Path(fmpy.__file__).parent
-"""Where FMPy's own libraries are."""
+"""Folder of FMPy's own libraries."""
 CONTAINER = SHIPPED / "container_fmu" / "binaries"
 """FMPy's own FMUs, with the functions of FMI 2.0."""
 LIBRARIES = {
@@ -44,7 +44,7 @@ def test_binaries_lie_in_their_folders(tmp_path: Path) -> None:
     third = tmp_path / f"{NAME}.fmi3.fmu"
     with zipfile.ZipFile(third) as archive:
         folders = {name.split("/")[1] for name in archive.namelist() if name.startswith("binaries/")}
-    # The library for win32 has the functions of FMI 2.0 alone.
+    # The library for win32 has the functions of FMI 2.0 only.
     assert folders == {"x86_64-linux", "x86_64-windows", "aarch64-darwin"}
     assert f"{third}: the library for win32 is left out" in done.stdout
     assert {*LIBRARIES, "linux64"} <= set(fmpy.supported_platforms(str(fmu)))
@@ -66,7 +66,7 @@ REFUSED = {
 
 
 @pytest.mark.parametrize("name", REFUSED)
-def test_what_is_no_library_of_the_platform_is_refused(tmp_path: Path, name: str) -> None:
+def test_a_file_that_is_no_library_of_the_platform_is_rejected(tmp_path: Path, name: str) -> None:
     binary, fragments = REFUSED[name]
     line = refused(package(tmp_path / "out", binary))
     for fragment in fragments:
@@ -74,12 +74,12 @@ def test_what_is_no_library_of_the_platform_is_refused(tmp_path: Path, name: str
     assert not (tmp_path / "out").exists()
 
 
-def test_a_platform_twice_is_refused(tmp_path: Path) -> None:
+def test_a_duplicate_platform_is_rejected(tmp_path: Path) -> None:
     binary = f"win64={LIBRARIES['win64']}"
     assert "the option occurs twice" in refused(package(tmp_path, binary, binary))
 
 
-def test_an_unknown_platform_is_a_wrong_usage(tmp_path: Path) -> None:
+def test_an_unknown_platform_is_a_usage_error(tmp_path: Path) -> None:
     done = package(tmp_path, f"win16={LIBRARIES['win64']}")
     assert done.returncode == 2
     assert "win16" in done.stderr
@@ -103,7 +103,7 @@ def test_a_platform_that_cannot_be_built_is_an_error_with_the_remedy(tmp_path: P
 
 
 @pytest.mark.usefixtures("without_arm")
-def test_available_packs_the_rest_and_tells_what_is_left_out(tmp_path: Path) -> None:
+def test_available_packs_the_other_platforms_and_names_the_omitted_ones(tmp_path: Path) -> None:
     done = package_in(Path(), "--out", str(tmp_path), "--platforms", "linux64,aarch64-linux", "--available")
     assert done.returncode == 0, done.stderr
     assert "left out: aarch64-linux: cannot be built here" in done.stdout
@@ -127,7 +127,7 @@ WRONG_PLATFORMS = {
 
 
 @pytest.mark.parametrize("name", WRONG_PLATFORMS)
-def test_wrong_platforms_are_refused(tmp_path: Path, name: str) -> None:
+def test_wrong_platforms_are_rejected(tmp_path: Path, name: str) -> None:
     options, code, fragments = WRONG_PLATFORMS[name]
     done = package_in(Path(), "--out", str(tmp_path / "out"), *options)
     assert done.returncode == code, done.stdout + done.stderr
@@ -136,9 +136,9 @@ def test_wrong_platforms_are_refused(tmp_path: Path, name: str) -> None:
     assert not (tmp_path / "out").exists()
 
 
-def test_an_fmu_does_not_tell_where_it_was_made(tmp_path: Path) -> None:
-    """The same bytes from two folders, and no path of the repository in them: the cheap half of `cargo fmu test
-    --reproducible`, which builds the library twice."""
+def test_an_fmu_does_not_reveal_where_it_was_built(tmp_path: Path) -> None:
+    """Packages from two folders are identical, and contain no path of the repository. `cargo fmu test --reproducible`
+    also builds the library twice."""
     contents = []
     for name in ("a", "another folder"):
         folder = tmp_path / name / NAME

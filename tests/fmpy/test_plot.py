@@ -61,7 +61,7 @@ def test_each_quantity_has_its_panel() -> None:
     assert [axes.get_ylabel() for axes in canvas.axes] == ["Angle [deg]", "Force [kN]", ""]
     assert [text.get_text() for text in angle.get_legend().get_texts()] == ["leg.angle", "brace.angle"]
     assert flags.get_xlabel() == "time [s]"
-    # A value that does not exist is a gap.
+    # A missing value is a gap in the line.
     np.testing.assert_array_equal(np.isnan(force.lines[0].get_ydata()), [False, True, False])
     assert [tick.get_text() for tick in flags.get_yticklabels()] == ["false", "true"]
     assert flags.lines[0].get_drawstyle() == "steps-post"
@@ -87,7 +87,7 @@ def test_ticks_are_plain_numbers() -> None:
     assert constant.get_ylim() == pytest.approx((0.9, 1.1))
 
 
-def test_what_is_too_much_is_left_out_and_said(capsys: pytest.CaptureFixture[str]) -> None:
+def test_omitted_plots_are_reported(capsys: pytest.CaptureFixture[str]) -> None:
     many = [line(f"joint{k}.force", "Force", "N", 0.0, 1.0, 2.0) for k in range(plot.LINES + 3)]
     assert len(drawn(*many, line("up", None, None, 0.0, 1.0, 1.0)).axes) == 2
     assert "note: 3 variables are not drawn" in capsys.readouterr().err

@@ -1,4 +1,4 @@
-"""The prose of the documentation: short sentences in the words of mechanical engineers, without private ones."""
+"""The prose of the documentation: short sentences in the words of mechanical engineers, without private words."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ PAGES = [
     *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "ARCHITECTURE.md")),
     *sorted(DOCS.rglob("*.md")),
 ]
-"""The pages of docs/ and those that people read first."""
+"""The pages of docs/ and the pages that people read first."""
 LONGEST = 35
-"""Most words of a sentence."""
+"""Largest number of words of a sentence."""
 AVERAGE = 17
-"""Most words of a sentence in the mean of all pages."""
+"""Largest number of words of a sentence in the mean of all pages."""
 BANNED = {
     r"\b(tells?|told|telling)\b": "reports, prints, outputs, returns, states",
     r"\b(is|are|be|was|were) refused\b|\brefuses?\b": "is rejected (input); returns an error (call)",
@@ -51,7 +51,7 @@ CODE = [
     for path in sorted((REPOSITORY / folder).rglob("*.rs"))
     if not {"tests", "target"} & set(path.relative_to(REPOSITORY).parts) and path.name != "tests.rs"
 ]
-"""The sources whose texts people read."""
+"""The sources with texts for users."""
 RUST = re.compile(
     r"""(?P<comment>//[^\n]*)|b?r(?P<hash>#*)"(?P<raw>.*?)"(?P=hash)|b?'(?:\\.[^']*|[^'\\])'|"(?P<text>(?:\\.|[^"\\])*)\"""",
     re.DOTALL,
@@ -59,7 +59,7 @@ RUST = re.compile(
 
 
 def prose(text: str) -> str:
-    """A page without code, comments, tables' rules, pictures and the targets of links."""
+    """A page without code, comments, rules of tables, pictures and the targets of links."""
     text = re.sub(r"^---\n.*?^---\n", "", text, flags=re.DOTALL | re.MULTILINE)
     text = re.sub(r"^ *```.*?^ *```$", "\n", text, flags=re.DOTALL | re.MULTILINE)
     text = re.sub(r"<!--.*?-->", "", text, flags=re.DOTALL)
@@ -102,7 +102,7 @@ def test_no_private_words(page: Path) -> None:
 
 
 def texts(source: str) -> list[str]:
-    """The texts with a blank in a Rust source, without those of its tests: messages, descriptions, help."""
+    """The texts with a blank in a Rust source, except in its tests: messages, descriptions, help."""
     source = re.split(r"#\[cfg\(test\)\]\n(?:#\[[^\n]*\n)*mod \w+ \{", source)[0]
     found = [match["raw"] or match["text"] or "" for match in RUST.finditer(source)]
     return [text for text in (re.sub(r"\\\n\s*", "", one) for one in found) if " " in text.strip()]
@@ -118,7 +118,7 @@ def test_no_private_words_in_messages(path: Path) -> None:
     source = path.read_text(encoding="utf-8")
     said = texts(source)
     if path.parent == REPOSITORY / "fmu-build" / "cli" / "src":
-        # The help of the command line is in its doc comments.
+        # The help of the command line consists of doc comments.
         said += re.findall(r"^ {4}/// (.*)$", source, re.MULTILINE)
     found = [
         f"'{match[0]}' in '{text}': write {better}"

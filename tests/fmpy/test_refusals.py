@@ -1,4 +1,4 @@
-"""What the FMU refuses, and that a refused call changes nothing."""
+"""Calls that the FMU rejects: a rejected call changes nothing."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from fmpy.fmi1 import FMICallException
 STEP = 1e-3
 """Communication step [s]."""
 BEFORE = 40
-"""Steps before the refused call."""
+"""Steps before the rejected call."""
 ALL = 100
 """Steps of the whole run."""
 NOWHERE = 4_000_000_000
@@ -50,7 +50,7 @@ BAD_CALLS: dict[str, Callable[[Instance], Any]] = {
 
 
 @pytest.mark.parametrize("name", BAD_CALLS)
-def test_refused_call_changes_nothing(instantiate: Start, name: str) -> None:
+def test_rejected_call_changes_nothing(instantiate: Start, name: str) -> None:
     disturbed, undisturbed = instantiate(), instantiate()
     for instance in (disturbed, undisturbed):
         instance.start().run(0, BEFORE, STEP)
@@ -73,21 +73,21 @@ EARLY_CALLS: dict[str, Callable[[Instance], Any]] = {
 
 
 @pytest.mark.parametrize("name", EARLY_CALLS)
-def test_call_before_initialization_is_refused(instantiate: Start, name: str) -> None:
+def test_call_before_initialization_is_rejected(instantiate: Start, name: str) -> None:
     instance = instantiate()
     with pytest.raises(FMICallException):
         EARLY_CALLS[name](instance)
     assert instance.start().run(0, ALL, STEP).outputs() == instantiate().start().run(0, ALL, STEP).outputs()
 
 
-def test_step_after_terminate_is_refused(instantiate: Start) -> None:
+def test_step_after_terminate_is_rejected(instantiate: Start) -> None:
     instance = instantiate().start().run(0, BEFORE, STEP)
     instance.slave.terminate()
     with pytest.raises(FMICallException):
         instance.slave.doStep(BEFORE * STEP, STEP)
 
 
-def test_step_past_the_stop_time_is_refused(instantiate: Start) -> None:
+def test_step_past_the_stop_time_is_rejected(instantiate: Start) -> None:
     instance = instantiate()
     instance.slave.setupExperiment(startTime=0.0, stopTime=0.05)
     instance.slave.enterInitializationMode()
@@ -97,19 +97,19 @@ def test_step_past_the_stop_time_is_refused(instantiate: Start) -> None:
         instance.slave.doStep(0.05, STEP)
 
 
-def test_wrong_guid_is_refused(instantiate: Start) -> None:
+def test_wrong_guid_is_rejected(instantiate: Start) -> None:
     with pytest.raises(RuntimeError, match=r"(?i)guid"):
         instantiate(guid="{00000000-0000-0000-0000-000000000000}")
 
 
-def test_missing_mechanism_is_refused(instantiate: Start, copied: Path) -> None:
+def test_missing_mechanism_is_rejected(instantiate: Start, copied: Path) -> None:
     (copied / "resources" / "mechanism.json").unlink()
     with pytest.raises(RuntimeError, match=r"mechanism\.json"):
         instantiate(copied)
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", "\x00\x01"])
-def test_text_that_is_no_mechanism_is_refused(instantiate: Start, copied: Path, text: str) -> None:
+def test_text_that_is_no_mechanism_is_rejected(instantiate: Start, copied: Path, text: str) -> None:
     (copied / "resources" / "mechanism.json").write_text(text, encoding="utf-8")
     with pytest.raises(RuntimeError, match=r"."):
         instantiate(copied)
@@ -151,7 +151,7 @@ MALFORMED = [
 
 
 @pytest.mark.parametrize(("mutate", "fragment"), MALFORMED, ids=[f"{i}-{m[1]}" for i, m in enumerate(MALFORMED)])
-def test_malformed_mechanism_is_refused_by_name(
+def test_malformed_mechanism_is_rejected_with_its_name(
     instantiate: Start, edited: Edit, mutate: Callable[[dict], None], fragment: str
 ) -> None:
     folder = edited(mutate)
@@ -159,8 +159,8 @@ def test_malformed_mechanism_is_refused_by_name(
         instantiate(folder)
 
 
-def test_linkage_that_cannot_close_is_refused(instantiate: Start, edited: Edit) -> None:
-    """At the start, or at the latest when the loops are closed; never a step with it."""
+def test_linkage_that_cannot_close_is_rejected(instantiate: Start, edited: Edit) -> None:
+    """The error occurs at the instantiation or at the initialisation. No step is made."""
     folder = edited(put("bodies", "coupler", "length", value=1e-3))
     messages: list[str] = []
 

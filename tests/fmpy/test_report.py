@@ -1,4 +1,5 @@
-"""The report on the papers: what its runs give, and that the committed pages are what `cargo fmu report` writes."""
+"""The report on the papers: results of its runs, and agreement of the committed pages with the output of `cargo fmu
+report`."""
 
 from __future__ import annotations
 
@@ -13,15 +14,15 @@ from report.page import Section, text
 
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w])")
 ROUNDING = 1e-10
-"""Of the one-element model's identities: a few rounding errors of the tables, 1e-13, with room."""
+"""Error of identities of the one-element model: a few rounding errors of the tables, 1e-13, with a margin."""
 REFERENCE_TIME = 0.13205985274426
-"""Retraction without friction by 34-digit quadrature [s]."""
+"""Retraction without friction by a quadrature with 34 digits [s]."""
 REFERENCE_TIME_WITH_FRICTION = 0.13448835
-"""With friction, by an independent code [s]."""
+"""Retraction with friction, by an independent program [s]."""
 EXTENSION_TIME = 0.19169689347761
-"""Extension under 9 kN by 34-digit quadrature of the energy balance [s]."""
+"""Extension under 9 kN by a quadrature of the energy balance with 34 digits [s]."""
 ELASTIC_LIMIT = 1.389e-4
-"""Angle after 0.13 s of the gear with elastic rods less that of rigid links [rad], for small steps."""
+"""Angle of the gear after 0.13 s with elastic rods minus that with rigid links [rad], for small steps."""
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +45,7 @@ def test_friction_adds_about_two_per_cent(found: dict[str, Section]) -> None:
     assert abs(values["rough_time"] - REFERENCE_TIME_WITH_FRICTION) < 1e-8
     assert values["law"] < 1e-12
     assert (values["static"], values["kinetic"]) == (0.19, 0.026)
-    # This friction is zero at rest: both motions start alike.
+    # At rest this friction is 0: both motions start equally.
     assert values["start"] == pytest.approx(values["rough_start"], rel=1e-12)
 
 
@@ -57,7 +58,7 @@ def test_loads_superpose_and_friction_costs_force(found: dict[str, Section]) -> 
     assert values["round_trip"] < ROUNDING
 
 
-def test_extension_ends_when_the_energy_says(found: dict[str, Section]) -> None:
+def test_extension_ends_at_the_time_of_the_energy_integral(found: dict[str, Section]) -> None:
     values = found["[HF08] extension"].values
     assert abs(values["time"] - EXTENSION_TIME) < 1e-9
     assert abs(values["time"] - values["interpolated"]) < 1e-9
@@ -69,13 +70,13 @@ def test_loads_on_the_fuselage_balance_weight_and_inertia(found: dict[str, Secti
 
 def test_appendix_needs_its_corrections(found: dict[str, Section]) -> None:
     values = found["[HF08] appendix"].values
-    # Central differences of the ratios, and Runge and Kutta's steps.
+    # Central differences of the ratios, and Runge-Kutta steps.
     assert values["formulas"] < 1e-9
     assert abs(values["corrected"] - REFERENCE_TIME) < 1e-8
     assert abs(values["printed"] - REFERENCE_TIME) > 0.01
 
 
-def test_literal_finite_elements_come_near_rigid_links(found: dict[str, Section]) -> None:
+def test_finite_elements_as_printed_approach_rigid_links(found: dict[str, Section]) -> None:
     values = found["[HF08] finite elements"].values
     # Newmark's method is of second order: a step four times as long has an error about 16 times as large.
     assert abs(values["finer"]) < abs(values["literal"]) < abs(values["coarse"]) < 5e-5
@@ -91,7 +92,8 @@ def test_bodies_superpose(found: dict[str, Section]) -> None:
 
 def test_the_attachments_found_need_less_force(found: dict[str, Section]) -> None:
     values = found["Design"].values
-    # The search reads the force every 0.5 ms of a retraction; the report, at other angles, may miss the peak a little.
+    # The search reads the force every 0.5 ms of a retraction. The report uses other angles and may miss the peak
+    # slightly.
     assert 0.999 * 5927.67 < values["found"] < 5927.68
     assert 0.999 * 7050.55 < values["built"] < 7050.56
 
@@ -103,7 +105,7 @@ def test_one_element_model(found: dict[str, Section], title: str) -> None:
 
 
 def test_committed_page(found: dict[str, Section]) -> None:
-    """Word for word what the command writes; numbers within a unit of their last digit."""
+    """The text equals the output of the command. Numbers agree to one unit of their last digit."""
     committed = (REPOSITORY / "validation" / "report.md").read_text(encoding="utf-8")
     written = text(list(found.values()))
     again = "; run `cargo fmu report` and commit what it writes"
@@ -115,7 +117,7 @@ def test_committed_page(found: dict[str, Section]) -> None:
 
 
 def test_committed_html(found: dict[str, Section]) -> None:
-    """The text of the page is what the command writes, but for pictures and the page of the gear in it."""
+    """The text of the page equals the output of the command, except for pictures and the embedded page of the gear."""
     committed = (REPOSITORY / "validation" / "report.html").read_text(encoding="utf-8")
     results, empty = REPOSITORY / "validation" / "results", b""
     pictures = {figure.name: empty for section in found.values() for figure in section.figures}
@@ -128,7 +130,7 @@ def test_committed_html(found: dict[str, Section]) -> None:
 
 
 def test_committed_figures(found: dict[str, Section]) -> None:
-    """A PNG and an SVG for each figure of the page, no others of the papers."""
+    """One PNG and one SVG file for each figure of the page, and no other figures of the papers."""
     names = {figure.name for section in found.values() for figure in section.figures}
     folder = REPOSITORY / "validation" / "figures"
     there = {path.name for path in folder.iterdir() if path.name.startswith(("ck16_", "hf08_", "design_"))}

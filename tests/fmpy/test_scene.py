@@ -1,4 +1,4 @@
-"""The scene file of OpenModelica's viewers, drawn by its rules with values that FMPy reads, and its page."""
+"""The scene file for OpenModelica's viewers, drawn by its rules with values that FMPy reads, and its page."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lxml import etree
 
 DRAWN = [fmu for fmu in FMUS if "resources/mechanism.json" in zipfile.ZipFile(fmu).namelist()]
 SOLIDS = {"box", "cylinder", "sphere"}
-#: Entries of a shape in their order, with the number of values that a viewer reads from each.
+#: Entries of a shape in their order, with the number of values that a viewer reads from each entry.
 ENTRIES = {
     "ident": 0,
     "type": 0,
@@ -34,7 +34,7 @@ ENTRIES = {
     "color": 3,
     "specCoeff": 1,
 }
-#: Error of a drawn place against its closed form [m]: that of the tables.
+#: Error of a drawn position against its closed form [m]: that of the tables.
 CLOSED_FORM = 1e-12
 #: Rounding of sums of a few products.
 ROUNDING = 4e-16
@@ -44,7 +44,7 @@ Array = np.ndarray
 
 @dataclass
 class Placed:
-    """A shape in the mechanism frame: where it begins, the unit vector along which it reaches, its length."""
+    """A shape in the mechanism frame: start point, unit vector along the shape, length."""
 
     begin: Array
     along: Array
@@ -67,7 +67,7 @@ class Scene:
         return {element.text for element in self.root.iter("cref")}
 
     def place(self, ident: str, values: dict[str, float]) -> Placed:
-        """As OMEdit's `rotateModelica2OSG`: vectors are rows, from the left of T."""
+        """The rules of OMEdit's `rotateModelica2OSG`: vectors are rows, multiplied from the left of T."""
 
         def entry(name: str) -> Array:
             elements = self.shapes[ident].find(name)
@@ -82,7 +82,7 @@ class Scene:
 
 
 def run(fmu: Path, names: set[str]) -> list[dict[str, float]]:
-    """Values of these variables at each row of the default run."""
+    """Values of these variables in each row of the default run."""
     result = simulate_fmu(str(fmu), output=sorted(names))
     return [dict(zip(result.dtype.names, map(float, row), strict=True)) for row in result]
 
@@ -133,7 +133,7 @@ def test_frames_are_rotations_by_the_angles_of_the_bodies(fmu: Path) -> None:
 
 
 def test_a_slider_crank_is_drawn_at_its_closed_form() -> None:
-    """The crank of 0.05 m turns about the origin, the rod of 0.2 m leads from its end to a point of the y axis."""
+    """The crank of 0.05 m turns about the origin. The rod of 0.2 m connects its end with a point of the y axis."""
     fmu = FMU_FOLDER / "SliderCrank.fmu"
     scene, (crank, rod) = Scene(fmu), (0.05, 0.2)
     rows = run(fmu, scene.names() | {"crank.angle"})
@@ -156,7 +156,7 @@ def test_a_slider_crank_is_drawn_at_its_closed_form() -> None:
 
 
 def test_the_pins_of_the_gear_are_drawn_at_their_closed_form(fmu: Path) -> None:
-    """The crank of 0.1755 m turns about the origin, the follower of 0.34 m about a point 0.5729 m beside it."""
+    """The crank of 0.1755 m turns about the origin, the follower of 0.34 m about a point at the distance 0.5729 m."""
     scene = Scene(fmu)
     for row in run(fmu, scene.names() | {"crank.angle", "follower.angle"})[::20]:
         crank, follower = ([np.cos(a), np.sin(a), 0.0] for a in (row["crank.angle"], row["follower.angle"]))
@@ -168,7 +168,7 @@ def test_the_pins_of_the_gear_are_drawn_at_their_closed_form(fmu: Path) -> None:
 
 
 def blocks() -> list[str]:
-    """The examples for a notebook and for OpenModelica, with the folder of the packed FMUs in them."""
+    """The examples for a notebook and for OpenModelica, with the path of the folder of the packed FMUs."""
     pages = [REPOSITORY / "docs" / page for page in ("viewers.md", "how-to/openmodelica.md")]
     texts = [page.read_text(encoding="utf-8") for page in pages]
     found = [code for text in texts for code in re.findall(r"```python\n(.*?)```", text, re.DOTALL)]
@@ -189,7 +189,7 @@ class Frames(HTMLParser):
 
 
 def test_the_cell_shows_the_page_of_the_fmu(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The last expression of a cell is what a notebook shows. IPython's HTML holds the text in `data`."""
+    """A notebook shows the last expression of a cell. IPython's HTML holds the text in `data`."""
     display = types.ModuleType("IPython.display")
     display.HTML = type("HTML", (), {"__init__": lambda self, data: setattr(self, "data", data)})
     monkeypatch.setitem(sys.modules, "IPython", types.ModuleType("IPython"))

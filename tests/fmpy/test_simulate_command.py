@@ -1,4 +1,4 @@
-"""`cargo fmu simulate`: the same bits as the FMU through FMPy, files that others read, refusals in one line."""
+"""`cargo fmu simulate`: results bit-identical to the FMU through FMPy, readable files, errors in one line."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ FAST = ["time", "crank.angle", "joint1.force", "actuator.length", "energy.drift"
 
 @pytest.fixture
 def simulate(tmp_path: Path) -> Command:
-    """`cargo fmu simulate` with these arguments, called in a folder of its own."""
+    """`cargo fmu simulate` with these arguments, called in a separate folder."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
         command = [*CARGO, "fmu-studies", "--", "simulate", *map(str, arguments)]
@@ -33,7 +33,7 @@ def simulate(tmp_path: Path) -> Command:
 
 
 def agrees(done: subprocess.CompletedProcess[str], written: Path, expected: np.ndarray) -> None:
-    """Every row and column is the one that FMPy recorded, to the last bit."""
+    """Every row and column is bit-identical to FMPy's recording."""
     assert done.returncode == 0, done.stderr
     table = read_csv(written)
     assert table.dtype.names == expected.dtype.names
@@ -51,7 +51,8 @@ def test_defaults_have_the_bits_of_the_fmu(simulate: Command, tmp_path: Path, na
 
 @pytest.fixture
 def derivatives_of_any_number(monkeypatch: pytest.MonkeyPatch) -> None:
-    """FMPy 0.3.32 has room for the derivatives of nine signals and refuses any other number; here it fits."""
+    """FMPy 0.3.32 supports the derivatives of nine signals and rejects any other number. This fixture supports all
+    numbers."""
     begin = simulation.Input.__init__
 
     def fitted(self: simulation.Input, *arguments: Any, **options: Any) -> None:  # noqa: ANN401
@@ -80,7 +81,7 @@ def test_signals_and_start_values_have_the_bits_of_the_fmu(simulate: Command, fm
     arguments = ["--stop-time", 0.1503, "--output-interval", 1e-3, "--relative-tolerance", 1e-7]
     arguments += ["--input-file", "signals.csv", "--output-file", "with signals.csv", "--output-variables", *FAST[1:]]
     arguments += ["--start-values", "crank.start_angle", "40deg", "friction.enabled", "true", "airspeed=70"]
-    # With slopes FMPy needs each corner twice and a time before 0: it sets the slope of the interval before.
+    # For slopes FMPy needs each corner twice and a time before 0, because it sets the slope of the interval before.
     corners = [(-1.0, *rows[0][1:]), *(row for row in rows for _ in range(1 if row[0] == 0.0305 else 2))]
     for slopes, signals in [(False, rows), (True, corners)]:
         settings["input"] = np.array(signals, dtype=kinds)
@@ -113,7 +114,7 @@ def test_a_plot_over_a_variable_records_it(simulate: Command, tmp_path: Path) ->
 
 
 def test_parquet_has_the_bits_of_the_csv(simulate: Command, fmu: Path, tmp_path: Path) -> None:
-    # Several row groups, of 2^20 values each.
+    # Several row groups of 2^20 values each.
     fine = ["--output-interval", 1e-5, "--output-variables", *FAST[1:], "joint1.slip_speed", "crank.speed"]
     for name, arguments, groups in [("whole", [], 1), ("fine", [*fine, "--stop-time", 2.0], 2)]:
         for ending in ("csv", "parquet"):
@@ -179,7 +180,7 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--input-file", "wrong.csv", "--output-file", "wrong.csv"], "this is --input-file"),
     ],
 )
-def test_what_is_wrong_is_said_in_one_line(
+def test_wrong_arguments_are_reported_in_one_line(
     simulate: Command, fmu: Path, tmp_path: Path, arguments: list[str], said: str
 ) -> None:
     (tmp_path / "wrong.csv").write_text("time,actuator.force\n1,0\n0,0\n")
@@ -189,7 +190,7 @@ def test_what_is_wrong_is_said_in_one_line(
     assert said in done.stderr
 
 
-def test_a_run_that_ends_early_leaves_its_rows(simulate: Command, fmu: Path, tmp_path: Path) -> None:
+def test_a_run_that_ends_early_writes_its_rows(simulate: Command, fmu: Path, tmp_path: Path) -> None:
     done = simulate(
         fmu,
         "--start-values",

@@ -22,7 +22,7 @@ FINAL_ANGLE = -1.2377117266891367
 RETRACTION_TIME = 0.1320598527442597
 """Time at which the crank is at -1.3 rad by quadrature [s]."""
 GLOBAL_OVER_LOCAL = 100.0
-"""Promised ratio of the angle error at 0.13 s to the tolerance of one step [rad]."""
+"""Stated ratio of the angle error at 0.13 s to the tolerance of one step [rad]."""
 
 
 def table(times: list[float], forces: list[float]) -> np.ndarray:
@@ -49,7 +49,7 @@ def test_constant_input_is_the_start_value(fmu: Path) -> None:
     by_input = simulate_fmu(str(fmu), input=table([0.0, 0.1], [25000.0, 25000.0]), **settings)
     by_start = simulate_fmu(str(fmu), start_values={"actuator.force": 25000.0}, **settings)
     by_default = simulate_fmu(str(fmu), **settings)
-    # An input that is set again may end the integrator's step there: a step more or less, each within the tolerance.
+    # Setting an input again may end the integrator's step: one step more or less, each within the tolerance.
     for name in ("crank.angle", "joint2.force"):
         scale = float(np.max(np.abs(by_start[name])))
         np.testing.assert_allclose(by_input[name], by_start[name], rtol=0.0, atol=TOLERANCE * scale)
@@ -78,7 +78,7 @@ def test_start_values(fmu: Path) -> None:
 
 
 def test_acceleration_from_rest_is_affine_in_the_load(instantiate: Start) -> None:
-    """At rest th'' = Q / I, and Q is affine in the load factor and in the actuator's force."""
+    """At rest th'' = Q / I, and Q is affine in the load factor and in the force of the actuator."""
     accelerations = []
     for factor, force in ((0.0, 30000.0), (3.0, 30000.0), (6.0, 30000.0), (3.0, 0.0), (3.0, 60000.0)):
         instance = instantiate().start(load_factor=factor, actuator__force=force)
@@ -92,7 +92,7 @@ def test_acceleration_from_rest_is_affine_in_the_load(instantiate: Start) -> Non
 
 
 def test_edited_mechanism_is_honoured(instantiate: Start, edited: Edit) -> None:
-    """A number in resources/mechanism.json does what the parameter of its name does."""
+    """A number in resources/mechanism.json has the same effect as the parameter of its name."""
 
     def lengthen(mechanism: dict) -> None:
         mechanism["bodies"]["crank"]["length"] *= 1.01
@@ -117,12 +117,12 @@ def test_parameter_wins_over_the_file(instantiate: Start, edited: Edit) -> None:
 
 def test_demo(fmu: Path, tmp_path: Path) -> None:
     script = REPOSITORY / "fmu-build" / "python" / "demo.py"
-    # A folder of its own for Matplotlib's font cache: the demo must run where there is no home folder.
+    # A separate folder for Matplotlib's font cache: the demo must run without a home folder.
     environment = {**os.environ, "MPLCONFIGDIR": str(tmp_path / "matplotlib")}
     command = [sys.executable, str(script), str(fmu), "--out", str(tmp_path / "demo")]
     done = subprocess.run(command, check=True, capture_output=True, text=True, env=environment, timeout=300.0)
     words = done.stdout.split("retraction time")[1].split()
-    # 100 x tolerance in the angle, at 30 rad/s, and the nanosecond at which the approach ends.
+    # 100 x tolerance in the angle at 30 rad/s, and the resolution of 1 ns of the approximation.
     assert float(words[0]) == pytest.approx(RETRACTION_TIME, abs=GLOBAL_OVER_LOCAL * TOLERANCE / 30.0 + 1e-11, rel=0.0)
     assert "2.1000000" in done.stdout
     with (tmp_path / "demo" / "retraction.csv").open(encoding="utf-8") as file:
@@ -133,10 +133,10 @@ def test_demo(fmu: Path, tmp_path: Path) -> None:
 
 
 def test_second_formulation(fmu: Path) -> None:
-    """The number of an item chooses it; it differs from the first by the stretch of its rods."""
+    """The number of an item selects the second formulation. It differs from the first by the strain of its rods."""
     settings = {"stop_time": 0.13, "output_interval": STEP, "output": ["crank.angle", "energy.drift"]}
     result = simulate_fmu(str(fmu), start_values={"solver.method": 2}, **settings)
-    # tests/rigid_fem.rs: 1.389e-4 rad, and the step's error 4e2 rad/s2 (1e-5 s)^2.
+    # tests/engine/rigid_fem: 1.389e-4 rad, and the error of the step 4e2 rad/s2 (1e-5 s)^2.
     assert result["crank.angle"][-1] - FINAL_ANGLE == pytest.approx(1.389484e-4, abs=5e-8, rel=0.0)
     assert np.max(np.abs(result["energy.drift"])) < 1e-2
     plain = simulate_fmu(str(fmu), start_values={"solver.method": 1}, **settings)

@@ -1,5 +1,5 @@
-"""The system package of gear and hydraulic actuator: valid by FMPy's schema of SSP 1.0, true to the FMUs, and enough to
-run the pair from it."""
+"""The system package of gear and hydraulic actuator: valid by FMPy's schema of SSP 1.0, consistent with the FMUs, and
+sufficient to run the pair."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ ELEMENT = (
     "upper_limit",
 )
 TOLD = [f"actuator.{name}" for name in ("length", "speed", "acceleration", *ELEMENT)]
-"""What the gear tells the hydraulics."""
+"""Outputs of the gear that the hydraulics uses."""
 NAMESPACES = {
     "ssd": "http://ssp-standard.org/SSP1/SystemStructureDescription",
     "ssc": "http://ssp-standard.org/SSP1/SystemStructureCommon",
@@ -44,13 +44,13 @@ def package() -> Path:
 
 @pytest.fixture(scope="module")
 def document() -> etree._Element:
-    """The system's description."""
+    """The system description."""
     with zipfile.ZipFile(SSP) as archive:
         return etree.fromstring(archive.read("SystemStructure.ssd"))
 
 
 def connections() -> list[Connection]:
-    """As FMPy reads them, after its check by the schema: element and connector at the start, and at the end."""
+    """The connections as FMPy reads them after its schema check: element and connector at the start and at the end."""
     found = read_ssd(str(SSP), validate=True).system.connections
     return [(c.startElement, c.startConnector, c.endElement, c.endConnector) for c in found]
 
@@ -61,7 +61,7 @@ def test_the_connections_are_those_of_the_pair() -> None:
     assert sorted(connections()) == sorted([*motion, force])
 
 
-def test_the_package_holds_the_packed_fmus() -> None:
+def test_the_package_contains_the_packed_fmus() -> None:
     system = read_ssd(str(SSP)).system
     assert {element.name: element.source for element in system.elements} == {
         name: f"resources/{file}" for name, file in FMUS.items()
@@ -84,8 +84,8 @@ def test_connectors_are_those_of_the_fmus(document: etree._Element) -> None:
             assert kind.get("unit") is None or kind.get("unit") in units, variable.name
 
 
-def test_sets_of_values_hold_the_units_that_they_name(document: etree._Element) -> None:
-    """SSP 1.0.1, section 6: a unit that a set of values names is defined in the set."""
+def test_parameter_sets_define_the_units_they_use(document: etree._Element) -> None:
+    """SSP 1.0.1, section 6: a unit that a set of values uses is defined in the set."""
     named = 0
     for values in document.iterfind(".//ssv:ParameterSet", NAMESPACES):
         units = {unit.get("name") for unit in values.iterfind("ssv:Units/ssc:Unit", NAMESPACES)}
@@ -96,7 +96,8 @@ def test_sets_of_values_hold_the_units_that_they_name(document: etree._Element) 
 
 
 def test_a_host_finds_no_algebraic_loop() -> None:
-    """By the dependencies that the FMUs declare, some order has every input known before what needs it."""
+    """By the dependencies that the FMUs declare, an order exists in which every input is known before an output needs
+    it."""
     needs: dict[tuple[str, str], set[tuple[str, str]]] = {}
     for name, file in FMUS.items():
         for unknown in read_model_description(str(FMU_FOLDER / file)).outputs:
@@ -109,7 +110,7 @@ def test_a_host_finds_no_algebraic_loop() -> None:
 
 @pytest.fixture
 def pair(document: etree._Element, tmp_path: Path) -> Iterator[dict[str, Instance]]:
-    """Both FMUs out of the package, with the values that it gives them."""
+    """Both FMUs of the package, with the values of the package."""
     root = Path(extract(str(SSP), str(tmp_path / "ssp")))
     instances = {}
     for component in document.iterfind(".//ssd:Component", NAMESPACES):
@@ -125,7 +126,7 @@ def pair(document: etree._Element, tmp_path: Path) -> Iterator[dict[str, Instanc
         instance.slave.freeInstance()
 
 
-def test_a_master_that_knows_the_package_alone_retracts_the_gear(pair: dict[str, Instance]) -> None:
+def test_a_master_with_only_the_package_retracts_the_gear(pair: dict[str, Instance]) -> None:
     inner = connections()
 
     def exchange(start: str) -> None:

@@ -1,4 +1,5 @@
-"""Saved states by FMPy's own methods: what follows a restored state has the bits of what followed the saved one."""
+"""Saved states by FMPy's own methods: after a state is restored, the run is bit-identical to the run after it was
+saved."""
 
 from __future__ import annotations
 
@@ -27,14 +28,14 @@ KINDS: dict[str, dict[str, float | bool | str]] = {
 
 
 def started(instance: Instance, kind: str) -> Instance:
-    """Initialised, with the parameters of its kind."""
+    """Initialised, with the parameters of this kind."""
     for name, value in KINDS[kind].items():
         instance.set(name, value)
     return instance.start()
 
 
 def on(instance: Instance, last: int = ALL) -> list[dict[str, str]]:
-    """Steps from the saved state on under a changing force, with the bits of every output after some."""
+    """Steps from the saved state on under a changing force. Returns the bits of each output after some of the steps."""
     seen = []
     for i in range(SAVED, last):
         instance.set("actuator.force", 30_000.0 + 10.0 * i)
@@ -81,7 +82,7 @@ print(json.dumps(on(instance, int(sys.argv[4]))))
 
 @pytest.mark.parametrize("other", ["instantiated", "no loss"])
 @pytest.mark.parametrize("kind", KINDS)
-def test_another_process_goes_on(instantiate: Start, extracted: Path, tmp_path: Path, kind: str, other: str) -> None:
+def test_another_process_continues(instantiate: Start, extracted: Path, tmp_path: Path, kind: str, other: str) -> None:
     last = 100 if kind == "rigid_fem" else ALL
     instance = started(instantiate(), kind).run(0, SAVED, STEP)
     state = instance.slave.getFMUstate()
@@ -94,7 +95,7 @@ def test_another_process_goes_on(instantiate: Start, extracted: Path, tmp_path: 
     assert json.loads(process.stdout.splitlines()[-1]) == on(instance, last)
 
 
-def test_a_damaged_string_is_refused(instantiate: Start) -> None:
+def test_a_damaged_state_is_rejected(instantiate: Start) -> None:
     instance = instantiate().start().run(0, SAVED, STEP)
     state = instance.slave.getFMUstate()
     text = instance.slave.serializeFMUstate(state)

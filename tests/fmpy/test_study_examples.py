@@ -1,4 +1,4 @@
-"""The programs of docs/studies/examples, with few runs, in an environment of their own."""
+"""The programs of docs/studies/examples, with few runs, in a separate environment."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ ENVIRONMENT = REPOSITORY / "target" / "venv-examples"
 
 @pytest.fixture(scope="module")
 def python() -> Path:
-    """The interpreter of an environment with the requirements, made anew when they change."""
+    """The interpreter of an environment with the requirements. It is created again when they change."""
     requirements, stamp = FOLDER / "requirements.txt", ENVIRONMENT / "made-from.txt"
     own = ENVIRONMENT / ("Scripts/python.exe" if sys.platform == "win32" else "bin/python")
     wanted = requirements.read_text(encoding="utf-8")
@@ -29,7 +29,7 @@ def python() -> Path:
 
 
 def said(python: Path, name: str, fmu: Path, count: str) -> str:
-    """What a program prints."""
+    """The output of a program."""
     command = [str(python), str(FOLDER / name), str(fmu), count]
     done = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stderr
@@ -61,7 +61,7 @@ def test_optuna_trades_mass_for_time(python: Path, fmu: Path) -> None:
     lines = said(python, "optuna_search.py", fmu, "60").splitlines()
     pairs = [tuple(numbers(line)[:2]) for line in lines]
     assert len(pairs) > 1
-    # Of a front, who carries more takes longer.
+    # On the front, a larger mass takes longer.
     assert [mass for mass, _ in pairs] == sorted(mass for mass, _ in pairs)
     assert all(30.0 <= mass <= 90.0 and 0.05 < time < 0.6 for mass, time in pairs)
 

@@ -1,4 +1,4 @@
-"""`cargo fmu sweep --page`: pictures that are there and load nothing; Sobol's indices where they are known."""
+"""`cargo fmu sweep --page`: the pictures exist and load nothing, and known Sobol's indices are found."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ PNG = b"\x89PNG\r\n\x1a\n"
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The results of a small study by Saltelli's design."""
+    """The results of a small study with Saltelli's design."""
     folder = tmp_path_factory.mktemp("study")
     study = {
         "mechanism": str(REPOSITORY / "modelDescription" / NAME),
         "factors": {name: {"uniform": ends} for name, ends in SAMPLED.items()},
         "sampling": {"method": "saltelli", "count": 128, "seed": 3},
         "scenario": {"stop_time": 0.6, "stop_at": "retracted"},
-        # The response `load` is a factor itself, so that its indices are 1 and 0.
+        # The response `load` is a factor itself, so its indices are 1 and 0.
         "responses": {"retraction": {"event": "retracted"}, "load": {"final": "load_factor"}},
     }
     path = folder / "small.json"
@@ -50,7 +50,7 @@ def test_saltellis_design_has_its_runs_and_its_indices(drawn: Path) -> None:
         first, total = float(row["first"]), float(row["total"])
         if row["response"] == "load":
             expected = 1.0 if row["factor"] == "load_factor" else 0.0
-            # 128 points of Sobol's sequence: the estimators are right to some percent.
+            # 128 points of Sobol's sequence: the error of the estimators is some percent.
             assert first == pytest.approx(expected, abs=0.05)
             assert total == pytest.approx(expected, abs=0.05)
         elif row["factor"] == "actuator.force":

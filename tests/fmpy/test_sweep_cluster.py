@@ -1,4 +1,4 @@
-"""`cargo fmu sweep --workers N`: the rows of the native run to the byte, also when a worker is killed."""
+"""`cargo fmu sweep --workers N`: rows identical to those of the native run, also if a worker is killed."""
 
 from __future__ import annotations
 
@@ -19,30 +19,30 @@ from conftest import CARGO, REPOSITORY
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds the workers in /proc")
 
 PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-"""The program itself, where it is built already."""
+"""An existing binary of the program."""
 PYTHON = REPOSITORY / "target" / "venv-cluster" / "bin" / "python"
-"""The environment that `--workers` makes."""
+"""The environment that `--workers` creates."""
 COMMAND = [PROGRAM, "sweep"] if PROGRAM else [*CARGO, "fmu-studies", "--", "sweep"]
 
 
 def start(study: Path, out: Path, *options: str) -> subprocess.Popen[str]:
-    """Begin a study."""
+    """Start a study."""
     arguments = [*COMMAND, str(study), "--csv", "--out", str(out), *options]
     return subprocess.Popen(arguments, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
 def finish(process: subprocess.Popen[str]) -> None:
-    """Wait for the end of a study, which must be a good one."""
+    """Wait for the end of a study, which must succeed."""
     said, _ = process.communicate(timeout=600)
     assert process.returncode == 0, said
 
 
 WORKER = "spawn_main"
-"""What the command line of a worker has: multiprocessing has spawned it."""
+"""Text in the command line of a worker, which multiprocessing has spawned."""
 
 
 def processes(root: int, word: str) -> list[int]:
-    """Processes below this one that have this word in their command line."""
+    """Processes below this process with this word in their command line."""
     parents: dict[int, list[int]] = {}
     words: dict[int, str] = {}
     for folder in Path("/proc").iterdir():
@@ -65,7 +65,7 @@ def processes(root: int, word: str) -> list[int]:
 
 @pytest.fixture
 def study(fmu: Path, tmp_path: Path) -> Path:
-    """Runs that end at their event, do not get there, and fail; with every kind of response."""
+    """Runs that end at their event, that do not reach it, and that fail, with every kind of response."""
     stated: dict[str, Any] = {
         "mechanism": str(fmu),
         "start_values": {"uplock.engage": True},
@@ -110,7 +110,7 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
     journal, killed = cluster / "runs.journal", False
     limit = time.monotonic() + 600
     while not killed and process.poll() is None and time.monotonic() < limit:
-        # A quarter of the chunks is there.
+        # A quarter of the chunks is complete.
         if journal.exists() and journal.stat().st_size > 300_000 and (found := processes(process.pid, WORKER)):
             os.kill(found[0], signal.SIGKILL)
             killed = True
@@ -128,46 +128,45 @@ def test_a_cluster_gives_the_rows_of_the_native_run_though_a_worker_is_killed(st
 
 @pytest.fixture
 def scheduler(tmp_path: Path) -> Iterator[str]:
-    """Address of a scheduler with two workers started by hand; their temporary files are in `tmp_path/workers`."""
-    told, own_files = tmp_path / "scheduler.json", tmp_path / "workers"
+    """Address of a scheduler with two workers that were started manually. Their temporary files are in
+    `tmp_path/workers`."""
+    scheduler_file, own_files = tmp_path / "scheduler.json", tmp_path / "workers"
     own_files.mkdir()
     dask = [str(PYTHON), "-m", "dask"]
     own = ["--no-dashboard", "--host", "127.0.0.1"]
     environment = os.environ | {"TMPDIR": str(own_files)}
-    processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(told)])]
+    processes = [subprocess.Popen([*dask, "scheduler", *own, "--port", "0", "--scheduler-file", str(scheduler_file)])]
     try:
         limit = time.monotonic() + 60
-        while not (told.exists() and told.stat().st_size > 0) and time.monotonic() < limit:
+        while not (scheduler_file.exists() and scheduler_file.stat().st_size > 0) and time.monotonic() < limit:
             time.sleep(0.05)
-        address = json.loads(told.read_text(encoding="utf-8"))["address"]
+        address = json.loads(scheduler_file.read_text(encoding="utf-8"))["address"]
         worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
         worker += ["--local-directory", str(tmp_path)]
         processes += [subprocess.Popen(worker, env=environment) for _ in range(2)]
         yield address
     finally:
-        # A worker whose scheduler has gone looks for it for a while.
+        # A worker searches for its lost scheduler for some time.
         for process in reversed(processes):
             process.kill()
             process.wait()
 
 
 def same_files(one: Path, other: Path) -> None:
-    """Both folders have the same results to the byte."""
+    """Both folders have identical results."""
     for name in ("runs.csv", "runs.parquet", "study.json"):
         assert (one / name).read_bytes() == (other / name).read_bytes(), name
 
 
 def changed(study: Path, name: str, **sections: Any) -> Path:  # noqa: ANN401
-    """A study beside this one with other sections."""
+    """A study next to this study with other sections."""
     stated = json.loads(study.read_text(encoding="utf-8")) | sections
     path = study.with_name(name)
     path.write_text(json.dumps(stated), encoding="utf-8")
     return path
 
 
-def test_studies_share_a_scheduler_and_leave_nothing_on_its_workers(
-    study: Path, scheduler: str, tmp_path: Path
-) -> None:
+def test_studies_share_a_scheduler_and_clean_up_its_workers(study: Path, scheduler: str, tmp_path: Path) -> None:
     one = changed(study, "one.json", sampling={"method": "sobol", "count": 16})
     other = changed(
         study,
@@ -268,23 +267,23 @@ def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path
                 client = Path("/proc", str(processes(process.pid, "cluster.py")[0]))
                 taken.append(1024.0 * int((client / "status").read_text().split("VmRSS:")[1].split()[0]))
         except (OSError, IndexError):
-            # The journal is not there yet, or the study has just ended.
+            # The journal does not exist yet, or the study has just ended.
             continue
     finish(process)
-    # Kept, the values of the factors alone would be 8 MB, twice: in the client and in the scheduler.
+    # If the values of the factors were kept, they alone would need 8 MB, both in the client and in the scheduler.
     assert len(taken) > 5
     assert max(taken[-3:]) - taken[0] < 8e6, taken
 
 
-def test_a_scheduler_that_does_not_answer_is_told_in_one_sentence(study: Path, tmp_path: Path) -> None:
-    """Without a traceback, and with the remedy: a port at which nobody listens, and what is no address."""
+def test_a_scheduler_that_does_not_answer_is_an_error_in_one_sentence(study: Path, tmp_path: Path) -> None:
+    """Without a traceback, and with a remedy: a port without a listener, and an invalid address."""
     addresses = ["tcp://127.0.0.1:1", "nowhere"]
     waiting = [start(study, tmp_path / str(index), "--scheduler", address) for index, address in enumerate(addresses)]
     for index, (address, process) in enumerate(zip(addresses, waiting, strict=True)):
         said, _ = process.communicate(timeout=600)
         assert process.returncode == 1, said
         assert "Traceback" not in said, said
-        told = f"error: the cluster: no Dask scheduler answers at {address} within 30 s ("
-        assert told in said, said
+        message = f"error: the cluster: no Dask scheduler answers at {address} within 30 s ("
+        assert message in said, said
         assert "; start a scheduler on that machine with `dask scheduler`, check the address" in said, said
         assert not (tmp_path / str(index) / "runs.journal").exists(), "nothing to resume"

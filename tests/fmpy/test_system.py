@@ -1,5 +1,5 @@
-"""The landing-gear system: three FMUs of an SSP package, run by the demo. The order of door, locks and gear is that of
-the valves, and the times of the events do not depend on the communication step by more than some steps."""
+"""The landing-gear system: three FMUs of an SSP package, run by the demo. The valves determine the sequence of door,
+locks and gear. The times of the events do not depend on the communication step by more than some steps."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ EXTENSION = (
 )
 EMERGENCY = ("door lock releases", "door starts to open", "door is open", "uplock releases", "gear is down")
 STEPS = (5e-3, 10e-3)
-"""Communication steps that are compared with the one of the reference [s]."""
+"""Communication steps that are compared with the step of the reference [s]."""
 SHORT = 1e-3
 """Communication step of the reference [s]."""
 LATE = {5e-3: 0.012, 10e-3: 0.03}
@@ -46,13 +46,13 @@ LATE = {5e-3: 0.012, 10e-3: 0.03}
 
 @pytest.fixture(scope="module")
 def runs() -> dict[float, demo_system.Run]:
-    """The run in steps of several sizes."""
+    """The run with steps of several sizes."""
     assert PACKAGE.is_file(), f"{PACKAGE} is missing; run `cargo fmu package --ssp`"
     return {step: demo_system.run(PACKAGE, step) for step in (SHORT, *STEPS)}
 
 
 def sequences(found: demo_system.Run) -> list[dict[str, float]]:
-    """Times of the events after each act of the pilot."""
+    """Times of the events after each action of the pilot."""
     parts: list[dict[str, float]] = []
     for time, words in found.events:
         if words.startswith("--"):
@@ -69,7 +69,7 @@ def test_the_valves_make_the_order(runs: dict[float, demo_system.Run], step: flo
     assert len(parts) == 4
     for part, order in zip(parts, (RETRACTION, EXTENSION, RETRACTION, EMERGENCY), strict=True):
         times = [part[words] for words in order]
-        # Events of one step come in the order of the list of states.
+        # Events of one step are in the order of the list of states.
         assert times == sorted(times), part
         assert times[-1] > times[0] + 1
     # The locks hold the gear at its ends.
@@ -89,7 +89,7 @@ def test_times_do_not_depend_on_the_step(runs: dict[float, demo_system.Run], ste
             assert abs(long[words] - time) < LATE[step], words
 
 
-def test_nothing_is_lost(runs: dict[float, demo_system.Run]) -> None:
+def test_volume_and_energy_balances_are_closed(runs: dict[float, demo_system.Run]) -> None:
     for found in runs.values():
         moved = max(found.column("hydraulics", "volume.from_reservoirs"))
         assert max(map(abs, found.column("hydraulics", "volume.balance"))) < 1e-9 * moved
@@ -98,7 +98,7 @@ def test_nothing_is_lost(runs: dict[float, demo_system.Run]) -> None:
 
 
 def test_the_package_is_a_valid_system() -> None:
-    """Valid by the schema of SSP; in the order of `System` no output waits for itself."""
+    """Valid by the schema of SSP. In the order of `System` no output depends on itself."""
     system = read_ssd(str(PACKAGE), validate=True).system
     assert [element.name for element in system.elements] == ["gear", "door", "hydraulics"]
     assert len(system.connections) == 3 + 2 * (9 + 1)

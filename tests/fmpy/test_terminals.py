@@ -1,4 +1,5 @@
-"""terminalsAndIcons.xml: valid after the schema of FMI 3.0, as FMI 2.0.5 has it, and true to the variables; icons."""
+"""terminalsAndIcons.xml: valid by the schema of FMI 3.0, as FMI 2.0.5 requires, and consistent with the variables;
+icons."""
 
 from __future__ import annotations
 
@@ -15,12 +16,12 @@ from lxml import etree
 MOTION = ["speed", "acceleration"]
 ELEMENT = ["reduced_mass", "reduced_mass_derivative", "holding_force", "holding_force_derivative"]
 LIMITS = ["lower_limit", "upper_limit"]
-"""Of a drive of a mechanism with stops."""
+"""Outputs of a drive of a mechanism with stops."""
 ROTARY = ["reduced_inertia", "reduced_inertia_derivative", "holding_torque", "holding_torque_derivative"]
 SCHEMA = Path(fmpy.__file__).parent / "schema" / "fmi3" / "fmi3TerminalsAndIcons.xsd"
 """FMPy's copy of the schema."""
 TIME_UP = 4.065842490726519
-"""Time at which the gear is up [s], by an independent integration of gear and hydraulics as one system."""
+"""Time at which the gear is up [s], by an independent integration of gear and hydraulics as a single system."""
 
 
 @pytest.mark.parametrize("extension", ["fmu", "fmi3.fmu"])
@@ -60,7 +61,7 @@ def test_each_fmu_has_an_icon_and_documentation(name: str) -> None:
 
 
 class Part:
-    """An instance of an FMU of FMI 3.0 in initialization mode, and the members of its one terminal."""
+    """An instance of an FMU of FMI 3.0 in initialization mode, with the members of its only terminal."""
 
     def __init__(self, name: str, folder: Path) -> None:
         unpacked = extract(str(FMU_FOLDER / f"{name}.fmi3.fmu"), str(folder / name))
@@ -83,7 +84,7 @@ class Part:
 
 
 def connect(source: Part, target: Part) -> None:
-    """Hand on each output of a terminal that the other one takes under the same name."""
+    """Pass each output of a terminal to the input of the other terminal with the same name."""
     for name, output in source.members.items():
         known = target.members.get(name)
         if output.causality == "output" and known is not None and known.causality == "input":
@@ -110,7 +111,7 @@ def test_a_cylinder_is_plugged_on_a_drive_by_the_terminals_alone(tmp_path: Path)
         angle, speed = gear.get("crank.angle"), gear.get("crank.speed")
         count += 1
     time_up = count * step + (up - angle) / speed
-    # As exact as the loop of docs/how-to/couple-two-fmus.md, which names the variables.
+    # As exact as the loop of docs/how-to/couple-two-fmus.md, which uses the names of the variables.
     assert time_up == pytest.approx(TIME_UP, abs=1e-5)
     for part in (gear, oil):
         part.slave.terminate()

@@ -54,7 +54,7 @@ class Network:
         self.index = {name: index for index, name in enumerate(self.names)}
 
     def moving(self) -> list[str]:
-        """Names of the states of what the cylinders move."""
+        """Names of the states of the masses that the cylinders move."""
         return [f"{name}.{part}" for name in self.cylinders for part in ("length", "speed")]
 
     def motion(self, y: Element) -> dict[str, tuple[float, float]]:
@@ -62,7 +62,7 @@ class Network:
         return {name: (y[f"{name}.length"], y[f"{name}.speed"]) for name in self.cylinders}
 
     def moved(self, y: Element, force: dict[str, float]) -> Element:
-        """Rates of what the cylinders move, under their forces."""
+        """Rates of the masses that the cylinders move, under the cylinder forces."""
         rate = {}
         for name, one in self.cylinders.items():
             rate[f"{name}.length"] = y[f"{name}.speed"]
@@ -82,7 +82,7 @@ class Network:
         return np.array([y[name] for name in self.names])
 
     def moving_start(self) -> Element:
-        """States of what the cylinders move, at the start."""
+        """Start states of the masses that the cylinders move."""
         start = {}
         for name, one in self.cylinders.items():
             start[f"{name}.length"], start[f"{name}.speed"] = one["length"], one.get("speed", 0.0)

@@ -18,7 +18,7 @@ G = 9.81
 
 
 class Arm(Network):
-    """The oil with the arm that it moves: one angle."""
+    """The network with the arm that it moves: one angle."""
 
     def __init__(self, mechanism: Element) -> None:
         self.ground = mechanism["bodies"]["ground"]["points"]
@@ -38,7 +38,7 @@ class Arm(Network):
         return {"arm.angle": self.angle, "arm.speed": 0.0}
 
     def lever(self, name: str, angle: float) -> tuple[float, float]:
-        """Length of a cylinder, and its derivative by the angle."""
+        """Length of a cylinder, and its derivative with respect to the angle."""
         first, second = (end.split(".")[1] for end in self.ends[name])
         turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         point = turn @ np.array(self.points[second])

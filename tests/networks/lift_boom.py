@@ -22,7 +22,7 @@ TOLERANCE = 1e-12
 
 
 class Boom(Network):
-    """The oil with the boom that it moves."""
+    """The network with the boom that it moves."""
 
     def __init__(self, definition: Element, mechanism: Element) -> None:
         bodies = mechanism["bodies"]
@@ -37,7 +37,7 @@ class Boom(Network):
         return {"boom.angle": self.angle, "boom.speed": 0.0}
 
     def length(self, angle: float) -> tuple[float, float]:
-        """Length of the cylinder and its derivative by the angle."""
+        """Length of the cylinder, and its derivative with respect to the angle."""
         turn = np.exp(1j * angle) * complex(*self.body["points"]["cylinder"])
         line = turn + complex(*self.ground["boom"]) - complex(*self.ground["cylinder"])
         return abs(line), (np.conj(line) * 1j * turn).real / abs(line)
@@ -55,7 +55,7 @@ class Boom(Network):
 
 
 def run(own: Boom) -> list[tuple[float, Vector]]:
-    """States every 20 ms, with a new start of the integration wherever the command jumps."""
+    """States every 20 ms. The integration starts again wherever the command jumps."""
     state, begin, rows = own.start(), 0.0, []
     size = np.array([1e5 if name in own.pressures else 1e-2 for name in own.names])
     for end, command in SCHEDULE:

@@ -20,7 +20,7 @@ import crane  # noqa: E402
 
 TIMES = [round(0.02 * k, 9) for k in range(1, 101)]
 STEP = 1e-40
-"""Step of a derivative by complex numbers, which has no rounding."""
+"""Step of a complex-step derivative, which has no rounding error."""
 
 
 def direction(angle: float) -> Vector:
@@ -28,7 +28,7 @@ def direction(angle: float) -> Vector:
 
 
 def mass(q: Vector) -> Vector:
-    """Mass matrix, by the positions of the middles of both links and of the load."""
+    """Mass matrix, from the positions of the centres of both links and of the load."""
     across = [direction(angle + np.pi / 2) for angle in (q[0], q[0] + q[1])]
     boom, jib = crane.BOOM * across[0], crane.JIB * across[1]
     none = np.zeros(2)
@@ -46,7 +46,7 @@ def potential(q: Vector) -> float:
 
 
 def lengths(q: Vector) -> Vector:
-    """Lengths of the cylinders, between the points that they join."""
+    """Lengths of the cylinders between the points that they connect."""
     (a, b), (c, d) = crane.SIDES
     elbow = crane.BOOM * direction(q[0])
     lift = b * direction(q[0]) - a * direction(-crane.TURNED[0])
@@ -55,12 +55,12 @@ def lengths(q: Vector) -> Vector:
 
 
 def derivative(law: object, q: Vector) -> Vector:
-    """Derivatives of a law by both angles; the angles are the last index."""
+    """Derivatives of a law with respect to both angles. The last index selects the angle."""
     return np.stack([law(q + 1j * STEP * unit).imag / STEP for unit in np.eye(2)], axis=-1)
 
 
 class Crane(Network):
-    """The oil with the crane that it moves."""
+    """The network with the crane that it moves."""
 
     def moving(self) -> list[str]:
         return ["boom.angle", "jib.angle", "boom.speed", "jib.speed"]

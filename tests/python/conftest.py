@@ -1,4 +1,4 @@
-"""The installed package, and mechanisms of it."""
+"""The installed package, and mechanisms from it."""
 
 from __future__ import annotations
 

@@ -87,16 +87,16 @@ def fields(own: type) -> list[str]:
         source = inspect.getsource(own)
     except (OSError, TypeError):
         return []
-    found, told = [], []
+    found, comments = [], []
     for line in source.splitlines():
         comment = re.match(r" +#: (.*)", line)
         name = re.match(r" +(?:self\.)?(\w+)(?:: .*| = .*)", line)
         if comment:
-            told.append(comment[1])
+            comments.append(comment[1])
         else:
-            if told and name:
-                found.append(f"| `{name[1]}` | {' '.join(told)} |")
-            told = []
+            if comments and name:
+                found.append(f"| `{name[1]}` | {' '.join(comments)} |")
+            comments = []
     return found
 
 

@@ -26,7 +26,7 @@ from linkage_fmu import build
 CALLS = int(os.environ.get("LINKAGE_FMU_CALLS", "400"))
 SEED = int(os.environ.get("LINKAGE_FMU_SEED", "1"))
 NAMES = ["crank.angle", "crank.speed", "actuator.force", "load_factor", "crank.mass", "friction.enabled"]
-# Python itself refuses a call that does not fit the signature.
+# Python itself rejects a call that does not fit the signature.
 SIGNATURE = re.compile(r"argument|positional|constructor|object is not (callable|iterable|subscriptable)")
 # An option of the command line.
 OPTION = re.compile(r"--[a-z]")
@@ -54,11 +54,11 @@ BAD: list[Any] = [
     *(np.array(["a"]), np.array([None]), np.zeros(3, [("time", float)]), np.datetime64("2020"), np.arange(8)[::2]),
     *(Path("nowhere.json"), Path("/"), memoryview(b"12345678"), lambda *_: None, iter(["crank.angle"])),
 ]
-"""Arguments that are rarely right."""
+"""Arguments that are rarely valid."""
 
 
 def good(random: random.Random, gear: lf.Mechanism) -> list[Any]:
-    """Arguments that are often right."""
+    """Arguments that are often valid."""
     names = random.sample(NAMES, random.randint(1, 3))
     values = {"load_factor": random.choice([1.0, "2", 3]), "crank.mass": random.choice([15, "20 kg", -1])}
     numbers = [random.random() for _ in names]
@@ -84,12 +84,12 @@ def targets(gear: lf.Mechanism, random: random.Random) -> list[Any]:
     ]
 
 
-# A browser, minutes, and what only the package calls.
+# Functions that open a browser, need minutes, or that only the package calls.
 LEFT_OUT = {"open", "optimise", "sweep", "package", "equilibria", "check", "view", "import_module", "wrong"}
 
 
 def calls(target: Any) -> list[Callable[..., Any]]:  # noqa: ANN401
-    """What can be called of an object."""
+    """The callable members of an object."""
     if isinstance(target, np.ndarray):
         names = ["to_pandas", "plot", "animate", "__repr__", "__reduce__", "_repr_html_"]
     else:
@@ -98,12 +98,12 @@ def calls(target: Any) -> list[Callable[..., Any]]:  # noqa: ANN401
         names += [name for name in special if hasattr(type(target), name)]
     # A property of a closed simulation raises.
     found = [getattr(target, name) for name in names if not inspect.isdatadescriptor(getattr(type(target), name, None))]
-    # Of the classes, users make a mechanism only.
+    # Mechanism is the only class of which users create objects.
     return [one for one in found if callable(one) and (one is lf.Mechanism or not isinstance(one, type))]
 
 
 def tried(call: Callable[..., Any], given: list[Any], named: dict[str, Any]) -> str | None:
-    """Call it; None, or what is wrong with the exception."""
+    """Make a call. Returns None, or a description of a wrong exception."""
     try:
         call(*given, **named)
     except lf.InternalError as error:
@@ -157,7 +157,7 @@ def test_random_calls(gear: lf.Mechanism, folder: Path) -> None:
 
 
 def test_threads_that_share_a_simulation(gear: lf.Mechanism) -> None:
-    """One at a time; the others get an exception, and no value is torn."""
+    """One thread at a time. The others get an exception, and all values are consistent."""
     simulation, faults, gave_way = gear.simulation(), [], []
     simulation.initialize()
 
@@ -178,7 +178,7 @@ def test_threads_that_share_a_simulation(gear: lf.Mechanism) -> None:
             except lf.SimulationError as error:
                 gave_way.append(str(error))
             except lf.InputError as error:
-                # The time has passed between two calls.
+                # Another thread has advanced the time between two calls.
                 if "present time" not in str(error):
                     faults.append(repr(error))
             except BaseException as error:

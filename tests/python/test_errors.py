@@ -1,4 +1,4 @@
-"""Bad input: an exception with text and remedy, and no panic."""
+"""Bad input gives an exception with text and remedy, and no panic."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_all_findings_come_with_the_exception() -> None:
 
 
 def test_a_mechanism_without_masses_has_no_dynamics() -> None:
-    """The four-bar linkage without its masses: along its travel, and under a given motion."""
+    """The four-bar linkage without its masses: along its travel, and under a prescribed motion."""
     whole = lf.example("FourBar")
     given = whole.to_dict()
     for body in given["bodies"].values():
@@ -160,7 +160,7 @@ def test_types_are_checked(gear: lf.Mechanism) -> None:
             lf.Mechanism(5)  # type: ignore[arg-type]
 
 
-def test_a_closed_simulation_says_so(gear: lf.Mechanism) -> None:
+def test_a_closed_simulation_raises_an_error(gear: lf.Mechanism) -> None:
     with gear.simulation() as simulation:
         simulation.initialize()
     with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):

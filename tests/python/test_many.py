@@ -1,4 +1,4 @@
-"""Many runs: each has the values of a simulation of its own."""
+"""Many runs: each run has the values of a separate simulation."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def test_hydraulic_systems_too() -> None:
         ([1.0], 0.1, None, "a dict of names and values"),
     ],
 )
-def test_what_cannot_be_run_is_refused(
+def test_impossible_runs_are_rejected(
     gear: lf.Mechanism, given: object, stop_time: float, output: object, text: str
 ) -> None:
     with pytest.raises(lf.InputError, match=text.replace("(", r"\(")):

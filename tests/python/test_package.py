@@ -17,7 +17,7 @@ def python(*words: str, folder: Path | None = None) -> subprocess.CompletedProce
     return subprocess.run([sys.executable, *words], cwd=folder, capture_output=True, text=True, check=False)
 
 
-def test_nothing_heavy_is_imported_before_it_is_used() -> None:
+def test_large_packages_are_imported_at_first_use() -> None:
     names = "('numpy', 'pandas', 'matplotlib', 'json', 'typing')"
     done = python("-c", f"import sys; import linkage_fmu; print([n for n in {names} if n in sys.modules])")
     assert done.stdout.strip() == "[]", done
@@ -33,7 +33,7 @@ def test_every_name_is_there() -> None:
 
 def test_the_types_are_strict(tmp_path: Path) -> None:
     """The package, and a program of a user."""
-    # In a folder of its own, as mypy takes no files of an environment.
+    # In a separate folder, because mypy ignores files of an environment.
     shutil.copytree(PACKAGE, tmp_path / "linkage_fmu", ignore=shutil.ignore_patterns("*.so", "*.pyd", "__pycache__"))
     user = tmp_path / "user.py"
     user.write_text(
@@ -49,7 +49,7 @@ def test_the_types_are_strict(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_the_stubs_name_what_the_extension_has() -> None:
+def test_the_stubs_agree_with_the_extension() -> None:
     stubs = (PACKAGE / "_engine.pyi").read_text(encoding="utf-8")
     for own in (lf.Simulation, lf.State, lf.Names, lf._engine.Model, lf._engine.Plan):
         for name in vars(own):

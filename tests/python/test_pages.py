@@ -1,4 +1,4 @@
-"""The pages of the documentation about Python do what they say; the reference is that of the docstrings."""
+"""The pages of the documentation about Python work as they state. The reference agrees with the docstrings."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def test_a_page_runs(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
     pages = module(REPOSITORY / "tests" / "fmpy" / "pages.py")
     (tmp_path / "fmus").mkdir()
     (tmp_path / "here").mkdir()
-    # Shells and their tools are found; Rust is not.
+    # Shells and their tools can be found, Rust cannot.
     monkeypatch.setenv("PATH", os.defpath)
     pages.run(REPOSITORY / "docs" / page, tmp_path / "here", tmp_path / "fmus")
 

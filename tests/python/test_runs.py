@@ -1,4 +1,4 @@
-"""Runs: the values of `simulate`, and what FMPy takes."""
+"""Runs have the values of `simulate`, and FMPy accepts the results."""
 
 from __future__ import annotations
 
@@ -33,9 +33,9 @@ def test_a_run_is_that_of_the_command(name: str, tmp_path: Path) -> None:
         warnings.simplefilter("ignore", lf.LinkageWarning)
         result = mechanism.simulate()
     assert result.names == names
-    told = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows])
+    table = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows])
     own = np.column_stack([result[own].astype(float) for own in names])
-    assert np.array_equal(own, told, equal_nan=True)
+    assert np.array_equal(own, table, equal_nan=True)
 
 
 def test_start_values_and_inputs_are_those_of_the_command(gear: lf.Mechanism, tmp_path: Path) -> None:
@@ -45,11 +45,11 @@ def test_start_values_and_inputs_are_those_of_the_command(gear: lf.Mechanism, tm
     command = [sys.executable, "-m", "linkage_fmu", "simulate", str(path), "--output-file", str(tmp_path / "run.csv")]
     command += [*words, "--input-file", str(tmp_path / "in.csv"), "--stop-time", "0.1", "--output-interval", "0.002"]
     subprocess.run([*command, "--output-variables", *OUTPUTS], check=True, capture_output=True)
-    told = np.genfromtxt(tmp_path / "run.csv", delimiter=",", skip_header=1)
+    table = np.genfromtxt(tmp_path / "run.csv", delimiter=",", skip_header=1)
     signal = {"time": [0, 0.05, 0.05, 0.1], "actuator.force": [30000, 36000, 31000, 30000]}
     starts = {"crank.start_angle": "45 deg", "friction.enabled": True, "load_factor": 1}
     result = gear.simulate(0.0, 0.1, 0.002, start_values=starts, input=signal, output=OUTPUTS)
-    assert np.array_equal(np.column_stack([result[name].astype(float) for name in result.names]), told)
+    assert np.array_equal(np.column_stack([result[name].astype(float) for name in result.names]), table)
     fields = np.array(list(zip(*signal.values(), strict=True)), dtype=[("time", float), ("actuator.force", float)])
     assert np.array_equal(gear.simulate(0.0, 0.1, 0.002, start_values=starts, input=fields, output=OUTPUTS), result)
 
@@ -67,7 +67,7 @@ def test_a_result_is_one_of_fmpy(gear: lf.Mechanism, tmp_path: Path) -> None:
     assert len(create_plotly_figure(result).data) == len(OUTPUTS)
 
 
-def test_a_result_goes_on(gear: lf.Mechanism) -> None:
+def test_a_result_converts_to_other_formats(gear: lf.Mechanism) -> None:
     result = gear.simulate(stop_time=0.13, output=OUTPUTS)
     frame = result.to_pandas()
     assert list(frame.columns) == OUTPUTS
@@ -127,7 +127,7 @@ def test_threads_run_at_the_same_time(gear: lf.Mechanism) -> None:
 
 
 def test_the_lock_is_free_in_a_run(gear: lf.Mechanism) -> None:
-    """Another thread counts while one run lasts."""
+    """Another thread counts during a run."""
     counts = 0
     done = threading.Event()
 

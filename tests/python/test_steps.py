@@ -63,10 +63,10 @@ def test_a_parameter_ends_a_run(simulation: lf.Simulation) -> None:
 
 def test_events_end_a_run_until(simulation: lf.Simulation) -> None:
     simulation.run_until(0.02)
-    told = simulation.run_until(1.0, at_event=True)
-    assert told, "nothing happened"
-    assert all("t = 0.13205985" in line for line in told)
-    assert "upstop" in " ".join(told)
+    events = simulation.run_until(1.0, at_event=True)
+    assert events, "nothing happened"
+    assert all("t = 0.13205985" in line for line in events)
+    assert "upstop" in " ".join(events)
     assert simulation.time == pytest.approx(0.132059852, abs=1e-8)
     assert simulation.run_until(simulation.time) == []
 
@@ -118,7 +118,7 @@ def test_derivatives_by_parameters_are_those_of_the_start(gear: lf.Mechanism) ->
 
 
 def test_one_thread_at_a_time(gear: lf.Mechanism) -> None:
-    """Calls from other threads are made, or refused with a remedy; none harms."""
+    """Calls from other threads are made, or rejected with a remedy. None does harm."""
     simulation = gear.simulation({"friction.enabled": True, "solver.tolerance": 1e-12})
     simulation.initialize()
     refused: list[str] = []
@@ -144,5 +144,5 @@ def test_one_thread_at_a_time(gear: lf.Mechanism) -> None:
     assert np.isfinite(simulation["crank.angle"])
 
 
-def test_what_has_no_value_has_a_reason(simulation: lf.Simulation) -> None:
+def test_a_missing_value_has_a_reason(simulation: lf.Simulation) -> None:
     assert simulation.undefined("crank.angle") is None

@@ -14,17 +14,17 @@ SCRIPT = "<script>alert('&\"1\"')</script>"
 
 
 def parsed(view: str | None) -> ElementTree.Element:
-    """The view; XML is stricter than HTML."""
+    """The view as XML, which is stricter than HTML."""
     return ElementTree.fromstring(f"<div>{(view or '').replace('<br>', '<br/>')}</div>")
 
 
 def rows(view: str | None) -> list[list[str]]:
-    """Texts of the cells of the table, row by row."""
+    """Texts of the cells of the table, by rows."""
     return [["".join(cell.itertext()) for cell in row] for row in parsed(view).iter("tr")]
 
 
 def path(values: np.ndarray) -> str:
-    """Corners of a curve."""
+    """Corners of a drawn curve."""
     drawn = re.search(r"d='([^']*)'", _html._curve(values))
     return drawn[1] if drawn else ""
 
@@ -112,7 +112,7 @@ def test_texts_are_escaped() -> None:
 
 
 def test_views_have_the_colours_of_the_page(gear: lf.Mechanism) -> None:
-    """Only the drawing of a mechanism states colours, on a ground of its own."""
+    """Only the drawing of a mechanism has fixed colours, on its own background."""
     ground, _, table = gear._repr_html_().partition("</div>")
     assert ground.startswith("<div style='background:#fff")
     views = [table, gear.check()._repr_html_(), gear.kinematics(5)._repr_html_(), gear.simulate()._repr_html_()]

@@ -1,5 +1,5 @@
-//! Cost of the gear's set-up in counts that are the same on every machine: closed positions, panels of the tables,
-//! allocations; and the parts of the reduced model that a changed parameter leaves as they were.
+//! Cost of the set-up of the gear, as counts that are equal on every machine: closed positions, panels of the tables,
+//! allocations. Also the parts of the reduced model that stay unchanged when a parameter changes.
 #![allow(clippy::unwrap_used)]
 
 #[path = "../support/counting.rs"]
@@ -16,7 +16,7 @@ const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/re
 const CHAIN: &str = include_str!("../../modelDescription/FourBarChain/resources/mechanism.json");
 const CRANE: &str = include_str!("../../modelDescription/CraneJib/resources/mechanism.json");
 
-/// Result and allocations of a call.
+/// Result and number of allocations of a call.
 fn allocations<T>(call: impl FnOnce() -> T) -> (T, usize) {
     let before = counting::allocations();
     let given = call();
@@ -26,16 +26,17 @@ fn allocations<T>(call: impl FnOnce() -> T) -> (T, usize) {
 #[test]
 fn the_curve_closes_few_positions() {
     let curve = Reduced::trace(&Mechanism::from_json(GEAR).unwrap()).unwrap();
-    // 14 panels, some of them tried in vain, each with its nodes and its tip.
+    // 14 panels, including rejected ones, each with its nodes and its end.
     assert!(curve.closed <= 14 * (NODES + 1), "{} positions", curve.closed);
 }
 
-/// Two crossings, each with one bridge: the panels that lead there are as long as those elsewhere.
+/// Two crossings with one bridge each: the panels next to the bridges are as long as others.
 #[test]
 fn the_curve_over_crossings_closes_few_positions() {
     let curve = Reduced::trace(&Mechanism::from_json(CHAIN).unwrap()).unwrap();
     assert_eq!(curve.crossings.len(), 2);
-    // 10 panels beside the bridges, 2 tried in vain; the nodes of 2 bridges, and as many positions on the way there.
+    // 10 panels besides the bridges, 2 rejected panels, the nodes of 2 bridges, and as many positions before each
+    // bridge.
     assert!(curve.closed <= 12 * (NODES + 1) + 2 * 2 * NODES + 50, "{} positions", curve.closed);
 }
 
@@ -47,9 +48,9 @@ fn the_tables_have_few_panels() {
     }
 }
 
-/// Names and descriptions are made once, for the table of variables: two texts for each variable, and little besides.
+/// Names and descriptions are built once, for the table of variables: two texts per variable, and few others.
 #[test]
-fn texts_are_made_once() {
+fn texts_are_created_once() {
     let mechanism = Mechanism::from_json(GEAR).unwrap();
     let (variables, count) = allocations(|| interface::variables(&mechanism).unwrap());
     let most = 10 * variables.list().len();
@@ -66,7 +67,7 @@ fn instantiation_allocates_little() {
     assert!(count <= 2600, "{count} allocations");
 }
 
-/// Whether every table is the same to the bit.
+/// Whether all tables are identical.
 fn same_tables(a: &Reduced, b: &Reduced) -> bool {
     let loading = a.loading();
     a.influence() == b.influence()
@@ -76,7 +77,7 @@ fn same_tables(a: &Reduced, b: &Reduced) -> bool {
         && a.reaction_tables() == b.reaction_tables()
 }
 
-/// For each parameter: the renewed reduced model equals one built from the changed definition.
+/// For each parameter: the renewed reduced model equals a model built from the changed definition.
 fn check_renewal(text: &str) {
     let stated = Mechanism::from_json(text).unwrap();
     let reduced = Reduced::new(&stated).unwrap();
@@ -110,14 +111,14 @@ fn check_renewal(text: &str) {
 }
 
 #[test]
-fn a_renewed_model_is_the_same_to_the_bit() {
+fn a_reset_model_is_bit_identical_to_a_new_one() {
     check_renewal(GEAR);
     check_renewal(CRANE);
 }
 
-/// Parameters of the friction law change neither curve nor tables.
+/// Parameters of the friction law change neither the curve nor the tables.
 #[test]
-fn a_law_leaves_curve_and_tables() {
+fn a_changed_law_does_not_rebuild_curve_and_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
     mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
@@ -127,9 +128,9 @@ fn a_law_leaves_curve_and_tables() {
     assert!(count <= 100, "{count} allocations");
 }
 
-/// Nor do they change the table of the loads that the state decides: pins and coefficients only size what is in it.
+/// Nor do they change the table of the state loads: pins and coefficients only scale its values.
 #[test]
-fn a_law_leaves_the_table_of_friction() {
+fn a_changed_law_does_not_rebuild_the_table_of_friction() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     mechanism.flags(&mut |flag, value| *value |= flag.name.concat() == "friction.enabled");
     let reduced = Reduced::new(&mechanism).unwrap();
@@ -141,7 +142,7 @@ fn a_law_leaves_the_table_of_friction() {
         }
     });
     let renewed = Reduced::renewed(&[&reduced], &changed).unwrap();
-    // One between them on which nobody has asked for it.
+    // A renewed model in between, whose table has not been read.
     let again = Reduced::renewed(&[&renewed], &mechanism).unwrap();
     let new = Reduced::new(&changed).unwrap();
     let [renewed, again, new] = [&renewed, &again, &new].map(|reduced| reduced.state_loads(false).unwrap().unwrap());
@@ -149,7 +150,7 @@ fn a_law_leaves_the_table_of_friction() {
     assert_eq!(*renewed.table, *new.table);
     assert_eq!(renewed.friction_joints, new.friction_joints);
     assert_ne!(renewed.friction_joints, again.friction_joints);
-    // A joint that gets its pin has friction of its own.
+    // A joint without a pin has no friction.
     let mut more = mechanism.clone();
     more.parameters(&mut |p, value| *value *= f64::from(p.name.concat() != "joint1.pin_radius"));
     let (kept, built) = (Reduced::renewed(&[&reduced], &more).unwrap(), Reduced::new(&more).unwrap());
@@ -157,9 +158,9 @@ fn a_law_leaves_the_table_of_friction() {
     assert_eq!((&*kept.table, &kept.friction_joints), (&*built.table, &built.friction_joints));
 }
 
-/// Another gravity is another sum of tables that there are.
+/// Another gravity changes only the sum of existing tables.
 #[test]
-fn gravity_leaves_curve_and_most_tables() {
+fn changed_gravity_rebuilds_neither_curve_nor_most_tables() {
     let mut mechanism = Mechanism::from_json(GEAR).unwrap();
     let reduced = Reduced::new(&mechanism).unwrap();
     mechanism.gravity.as_mut().unwrap().acceleration *= 0.5;
@@ -169,7 +170,8 @@ fn gravity_leaves_curve_and_most_tables() {
     assert!(count <= 151, "{count} allocations");
 }
 
-/// An initialisation under other inputs, and with friction, puts the state back in place, with the bits of a new model.
+/// An initialisation with other inputs, also with friction, reuses the memory of the state and is bit-identical to a
+/// new model.
 #[test]
 fn another_initialisation_allocates_nothing() {
     for friction in [false, true] {
@@ -182,22 +184,22 @@ fn another_initialisation_allocates_nothing() {
             gear.set_real(force, 3e4 + 1e3 * f64::from(case)).unwrap();
             gear.set_real(factor, 3.0 - 0.5 * f64::from(case)).unwrap();
             let (_, count) = allocations(|| gear.initialize().unwrap());
-            let mut told = vec![gear.statistics().evaluations];
+            let mut values = vec![gear.statistics().evaluations];
             for h in [0.01, 0.02, 0.2, 1e-3, 1e-3, 1e-3, 1e-3] {
                 gear.step(h).unwrap();
-                told.extend([angle, drift, bearing].map(|reference| gear.real(reference).unwrap().to_bits()));
+                values.extend([angle, drift, bearing].map(|reference| gear.real(reference).unwrap().to_bits()));
             }
-            told.push(gear.statistics().evaluations);
-            (told, count)
+            values.push(gear.statistics().evaluations);
+            (values, count)
         };
         let mut fresh = gear.clone();
         run(&mut gear, 0);
         for case in 1..4 {
-            let (told, count) = run(&mut gear, case);
+            let (values, count) = run(&mut gear, case);
             assert_eq!(count, 0, "friction {friction}, case {case}");
-            assert_eq!(told, run(&mut fresh.clone(), case).0, "friction {friction}, case {case}");
+            assert_eq!(values, run(&mut fresh.clone(), case).0, "friction {friction}, case {case}");
         }
-        // Nor does a run that has failed leave anything behind.
+        // A failed run leaves no trace.
         assert!(gear.step(f64::NAN).is_err());
         gear.set_real(force, 1e300).unwrap();
         assert!(gear.initialize().is_err() || gear.step(1.0).is_err());
@@ -205,15 +207,15 @@ fn another_initialisation_allocates_nothing() {
     }
 }
 
-/// A run by reset computes nothing again that follows from the parameters: no start, no travel, no warnings; nor does
-/// one under parameters that were present before, however many tables they need.
+/// After a reset nothing that follows from the parameters is computed again: no start, no travel, no warnings. The same
+/// holds for parameters that the model had before, for any number of tables.
 #[test]
 fn a_reset_allocates_the_state_alone() {
     let mut gear = Model::from_json(GEAR).unwrap();
     let [gravity, tolerance, friction] = ["gravity.acceleration", "solver.tolerance", "friction.enabled"]
         .map(|name| gear.variables().find(name).unwrap());
-    // The vectors of a state and of its outputs' cache, then the values of parameters that are not those as read; with
-    // friction those of the friction loops.
+    // The vectors of a state and of the cache of its outputs, then the values of changed parameters. With friction also
+    // those of the friction loops.
     type Change<'a> = &'a dyn Fn(&mut Model);
     let set_ups: [(Change, usize); 4] = [
         (&|_| {}, 36),

@@ -1,8 +1,9 @@
-//! Set-up takes time in proportion to the size of the definition: no element is searched for among all others, no chain
-//! is walked once for each of its links.
+//! The time of the set-up is proportional to the size of the definition: no search through all elements for each
+//! element, and no repeated walk along a chain.
 //!
-//! Times are compared for n and 4 n elements. In proportion to n they differ by 4, to n^2 by 16, to n^3 by 64. A
-//! machine with other work can make one measurement longer, so the best of several decides.
+//! Times are compared for n and 4 n elements. If the time is proportional to n, they differ by a factor of 4, for n^2
+//! by 16, for n^3 by 64. Other work on the machine can lengthen one measurement, so the best of several measurements
+//! counts.
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::mechanism::Model;
@@ -17,7 +18,7 @@ const SLIDER_CRANK: &str = include_str!("../../modelDescription/SliderCrank/reso
 const MOST: f64 = 9.0;
 const ATTEMPTS: usize = 6;
 
-/// The slider-crank with n more elements of a group.
+/// The slider-crank with n additional elements of a group.
 fn with(group: &str, n: usize, element: impl Fn(usize) -> Value) -> String {
     let mut definition: Value = serde_json::from_str(SLIDER_CRANK).unwrap();
     let elements = definition.as_object_mut().unwrap().entry(group).or_insert(json!({}));
@@ -25,7 +26,7 @@ fn with(group: &str, n: usize, element: impl Fn(usize) -> Value) -> String {
     definition.to_string()
 }
 
-/// A chain of bodies, each fixed to the end of the one before it, listed from its outer end if `reversed`.
+/// A chain of bodies, each fixed to the end of the previous one, listed from its outer end if `reversed`.
 fn chain(n: usize, reversed: bool) -> String {
     with("bodies", n, |i| {
         let first = if reversed { n - 1 } else { 0 };
@@ -44,7 +45,7 @@ fn points(n: usize) -> String {
     definition.to_string()
 }
 
-/// Blocks that slide on one another along the cylinder, and a joint that holds each to the ground again.
+/// Blocks that slide on one another along the cylinder, and redundant joints that hold each block to the ground.
 fn blocks(n: usize) -> String {
     let text = with("bodies", n, |_| json!({ "mass": 0.01 }));
     let mut definition: Value = serde_json::from_str(&text).unwrap();
@@ -90,7 +91,7 @@ fn time<T>(call: impl FnOnce() -> T) -> f64 {
     time
 }
 
-/// Assert that `task` takes time in proportion to the number of elements, for n and 4 n of them.
+/// Assert that the time of `task` is proportional to the number of elements, for n and 4 n elements.
 fn in_proportion(what: &str, n: usize, definition: impl Fn(usize) -> String, task: impl Fn(&str)) {
     let texts = [definition(n), definition(4 * n)];
     let mut best = [f64::INFINITY; 2];
@@ -112,7 +113,7 @@ fn variables(text: &str) {
 
 fn initial_dependencies(text: &str) {
     let mechanism = Mechanism::from_json(text).unwrap();
-    // Of many markers the list is found, but left out as too long.
+    // For many markers the list is found, but omitted as too long.
     interface::initial_dependencies(&mechanism).unwrap();
 }
 
@@ -123,7 +124,7 @@ fn model(text: &str) {
 }
 
 #[test]
-fn the_interface_takes_time_in_proportion_to_the_definition() {
+fn the_time_for_the_interface_is_proportional_to_the_definition() {
     in_proportion("a chain of fixed bodies", 2000, |n| chain(n, false), variables);
     in_proportion("a chain of fixed bodies, outermost first", 2000, |n| chain(n, true), variables);
     in_proportion("springs", 4000, |n| with("springs", n, spring), variables);
@@ -137,7 +138,7 @@ fn the_interface_takes_time_in_proportion_to_the_definition() {
 }
 
 #[test]
-fn the_model_takes_time_in_proportion_to_the_definition() {
+fn the_time_for_the_model_is_proportional_to_the_definition() {
     in_proportion("a chain of fixed bodies", 500, |n| chain(n, false), model);
     in_proportion("springs", 750, |n| with("springs", n, spring), model);
     in_proportion("stops", 250, |n| with("stops", n, stop), model);
@@ -145,9 +146,10 @@ fn the_model_takes_time_in_proportion_to_the_definition() {
     in_proportion("markers", 4000, |n| with("markers", n, marker), model);
 }
 
-/// A host that sets each of n parameters pays for n, not for n^2: values are written into the definition all at once.
+/// The time to set each of n parameters is proportional to n, not n^2: the values are written into the definition
+/// together.
 #[test]
-fn setting_every_parameter_takes_time_in_proportion() {
+fn the_time_of_setting_parameters_is_proportional_to_their_number() {
     let set_all = |text: &str| {
         let mut model = Model::from_json(text).unwrap();
         let list = model.variables().list().iter().zip(0..);
@@ -169,21 +171,22 @@ fn setting_every_parameter_takes_time_in_proportion() {
     in_proportion("parameters of forces", 1000, |n| with("springs", n, spring), set_all);
 }
 
-/// A text that is far too large is refused by its length, before anything of it is read.
+/// A text that is far too large is rejected by its length before it is read.
 #[test]
-fn a_text_of_300_megabytes_is_refused_by_its_length() {
+fn a_text_of_300_megabytes_is_rejected_because_of_its_length() {
     let text =
         SLIDER_CRANK.replacen("\"description\": \"", &format!("\"description\": \"{}", "x".repeat(300_000_000)), 1);
     let mut said = String::new();
     let refused = time(|| said = Model::from_json(&text).err().unwrap().to_string());
     assert!(said.starts_with("not a valid mechanism: the file has 300") && said.contains("at most 16777216"), "{said}");
-    // Reading one part in 30 of it takes longer.
+    // Reading one part in 30 of the text takes longer.
     let short =
         SLIDER_CRANK.replacen("\"description\": \"", &format!("\"description\": \"{}", "x".repeat(10_000_000)), 1);
     assert!(refused < time(|| Mechanism::from_json(&short).unwrap()), "{refused} s");
 }
 
-/// Stops of the same number after 10 and after 1e5 revolutions: the search for a stop does not turn the mechanism.
+/// The set-up with a stop after 10 and after 1e5 revolutions takes equal time: the search for a stop does not turn the
+/// mechanism.
 #[test]
 fn a_distant_stop_is_found_at_once() {
     let at = |angle: f64| with("stops", 50, move |_| json!({ "body": "crank", "limit": "upper", "angle": angle }));
@@ -197,7 +200,7 @@ fn a_distant_stop_is_found_at_once() {
     assert!(best[1] < 3.0 * best[0] + 0.01, "{best:?} s");
 }
 
-/// The frame of a body at the end of a chain against the sum of its links in closed form.
+/// The frame of the last body of a chain against the closed-form sum of its links.
 #[test]
 fn frames_along_a_chain_are_the_sum_of_its_links() {
     let (n, angle, length) = (300, 1e-3, 1e-5);
@@ -217,25 +220,26 @@ fn frames_along_a_chain_are_the_sum_of_its_links() {
     }
 }
 
-/// Every acceleration depends on every drive: such a table is refused with its size, not built until memory ends.
+/// Every acceleration depends on every drive. A table that is too large is rejected with its size before the memory is
+/// exhausted.
 #[test]
-fn too_many_dependencies_are_refused_with_limit_and_remedy() {
+fn too_many_dependencies_are_rejected_with_limit_and_remedy() {
     let drive = |_| json!({ "first": "ground.origin", "second": "crank.end", "force": 0 });
     let mechanism = Mechanism::from_json(&with("actuators", 5000, drive)).unwrap();
     let message = interface::variables(&mechanism).err().unwrap().to_string();
     assert!(message.contains("at most 50000000 are allowed: use fewer drives"), "{message}");
 }
 
-/// A body's length acts on every marker on the body.
+/// The length of a body affects every marker on the body.
 #[test]
-fn initial_dependencies_of_few_parameters_take_time_in_proportion() {
+fn the_time_for_initial_dependencies_is_proportional_to_the_definition() {
     in_proportion("markers", 4000, |n| with("markers", n, marker), initial_dependencies);
 }
 
-/// A definition for which the comparisons would take minutes, or the list 1 MB, has no list of initial dependencies; a
-/// small one has.
+/// If the comparisons would take minutes, or the list would need 1 MB, the list of initial dependencies is omitted. A
+/// small definition has the list.
 #[test]
-fn initial_dependencies_of_a_large_definition_are_left_out() {
+fn initial_dependencies_of_a_large_definition_are_omitted() {
     let of = |text: &str| interface::initial_dependencies(&Mechanism::from_json(text).unwrap()).unwrap();
     let is_listed = |text: &str| of(text).is_some_and(|all| all.iter().any(|one| !one.is_empty()));
     assert!(is_listed(&with("springs", 50, spring)) && is_listed(&with("markers", 50, marker)));
@@ -243,7 +247,7 @@ fn initial_dependencies_of_a_large_definition_are_left_out() {
     assert_eq!(of(&with("markers", 20_000, marker)), None);
 }
 
-/// Of many stops after nine revolutions, forward or backward, the nearest ends the travel.
+/// Of many stops after nine revolutions, forward or backward, the nearest one ends the travel.
 #[test]
 fn many_stops_end_the_travel_at_the_nearest() {
     for direction in [1.0, -1.0] {
@@ -263,7 +267,7 @@ fn many_stops_end_the_travel_at_the_nearest() {
             model.step(1e-3).unwrap();
             most.max(direction * model.real(angle).unwrap())
         });
-        // In a step the crank turns by about 0.1 rad.
+        // In one step the crank turns by about 0.1 rad.
         assert!((59.5..60.0 + 1e-9).contains(&farthest), "{farthest}");
     }
 }

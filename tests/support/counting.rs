@@ -1,4 +1,4 @@
-//! Allocator that counts what each thread allocates; a test and its instances stay on one thread.
+//! Allocator that counts the allocations of each thread. A test and its instances stay on one thread.
 #![allow(unsafe_code, dead_code)]
 
 use std::alloc::{GlobalAlloc, Layout, System};
@@ -11,7 +11,7 @@ thread_local! {
     static LIVE: Cell<isize> = const { Cell::new(0) };
 }
 
-// SAFETY: every call is passed on to the system's allocator.
+// SAFETY: every call is forwarded to the system's allocator.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         ALLOCATIONS.set(ALLOCATIONS.get() + 1);
@@ -30,12 +30,12 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of this thread; a reallocation counts as one.
+/// Number of allocations of this thread. A reallocation counts as one.
 pub fn allocations() -> usize {
     ALLOCATIONS.get()
 }
 
-/// Memory that this thread has allocated and not given back [bytes].
+/// Memory that this thread has allocated and not freed [bytes].
 pub fn live() -> isize {
     LIVE.get()
 }

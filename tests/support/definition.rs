@@ -1,11 +1,11 @@
-//! Definitions in short: small machines, to which a test adds the keys that it is about.
+//! Short definitions of small machines, to which a test adds keys.
 use serde_json::{Value, json};
 use std::f64::consts::FRAC_PI_2;
 
 /// Standard acceleration of the tests [m/s2].
 pub const G: f64 = 9.81;
 
-/// A definition with more keys.
+/// A definition with additional keys.
 pub trait With {
     /// Objects are joined key by key, everything else is replaced.
     fn with(self, more: Value) -> Value;
@@ -80,8 +80,8 @@ pub fn arm(length: f64, mass: f64, angle: f64) -> Value {
     })
 }
 
-/// A crank on a bearing at the origin, a rod, and a slider on a guide along x through the origin, from their bodies;
-/// start and guess of the crank [rad].
+/// A slider-crank from its bodies: a crank on a bearing at the origin, a rod, and a slider on a guide along x through
+/// the origin. `angle` is start and guess of the crank [rad].
 pub fn slider_crank([crank, rod, slider]: [Value; 3], angle: f64) -> Value {
     let [r, l] = [&crank, &rod].map(|body| body["length"].as_f64().unwrap());
     let lean = -(r * angle.sin() / l).asin();
@@ -99,8 +99,8 @@ pub fn slider_crank([crank, rod, slider]: [Value; 3], angle: f64) -> Value {
     })
 }
 
-/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler and rocker [m]; angles of the three bodies
-/// at the guess [rad], of which the crank's is the start.
+/// A four-bar of uniform rods of 1 kg/m: lengths of ground, crank, coupler and rocker [m], and angles of the three
+/// bodies at the guess [rad]. The start is the guess of the crank.
 pub fn four_bar([ground, crank, coupler, rocker]: [f64; 4], guess: [f64; 3]) -> Value {
     json!({
         "name": "FourBar",

@@ -1,4 +1,4 @@
-//! What tests share: the definitions in the repository, and a simulation whose refusals end the test.
+//! Common parts of the tests: the definitions in the repository, and a simulation whose errors end the test.
 #![allow(clippy::unwrap_used)]
 
 pub mod definition;
@@ -37,16 +37,16 @@ pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
 pub const SMOOTH: &str = mechanism!("SmoothRetraction");
 pub const TAILGATE: &str = mechanism!("Tailgate");
 
-/// A slider-crank with a servo on its crank and a ram on its slider.
+/// A slider-crank with a drive `servo` on its crank and a drive `ram` on its slider.
 pub const TWO_DRIVES: &str = include_str!("../fixtures/two_drives.json");
 
 /// A slider-crank with drives, dampers, a spring and a bumper that have curves.
 pub const CURVES: &str = include_str!("../fixtures/curves.json");
 
-/// Bucket of an excavator: four-bar linkage with friction in its pins, driven by a cylinder that friction can lock.
+/// Bucket of an excavator: a four-bar linkage with friction in its pins. Friction can lock it against its cylinder.
 pub const BUCKET: &str = include_str!("../fixtures/excavator_bucket.json");
 
-/// A definition with a change; its keys are then in alphabetical order.
+/// A definition after a change. Its keys are then in alphabetical order.
 pub fn changed(definition: impl Display, change: impl FnOnce(&mut Value)) -> String {
     let mut value: Value = serde_json::from_str(&definition.to_string()).unwrap();
     change(&mut value);
@@ -72,13 +72,13 @@ pub fn turned(a: Vec2, angle: f64) -> Vec2 {
     Vec2::new(cos * a.x - sin * a.y, sin * a.x + cos * a.y)
 }
 
-/// Numbers of a group of a file of reference values.
+/// Numbers of a group in a file of reference values.
 pub fn numbers<T: DeserializeOwned>(file: &str, group: &str) -> T {
     let file: Value = serde_json::from_str(file).unwrap();
     serde_json::from_value(file[group].clone()).unwrap()
 }
 
-/// Why there is no model of a definition, or no start of it.
+/// The error message of reading or starting a definition.
 #[track_caller]
 pub fn refusal(definition: impl Display) -> String {
     let text = definition.to_string();
@@ -86,25 +86,25 @@ pub fn refusal(definition: impl Display) -> String {
     opened.map_or_else(|error| error.to_string(), |()| panic!("accepted: {text}"))
 }
 
-/// A value within an absolute allowance of what is expected.
+/// A value agrees with the expected value, with this absolute tolerance.
 #[track_caller]
 pub fn assert_near(value: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((value - expected).abs() <= tolerance, "{what}: {value} instead of {expected}");
 }
 
-/// Every one of these pieces stands in the message.
+/// The message contains all of these pieces.
 #[track_caller]
 pub fn assert_says(message: impl ToString, pieces: &[&str]) {
     let message = message.to_string();
     pieces.iter().for_each(|piece| assert!(message.contains(piece), "`{message}` lacks `{piece}`"));
 }
 
-/// Number of random cases of each kind that the environment asks for.
+/// Number of random cases of each kind that the environment variable sets.
 pub fn cases() -> Option<u32> {
     std::env::var("LINKAGE_FMU_CASES").ok().map(|text| text.parse().unwrap())
 }
 
-/// Random cases from a fixed seed, as many as `default`; the environment's number of cases from a seed of their own.
+/// Random cases: `default` cases from a fixed seed, or the number of the environment variable from another seed.
 pub fn runner(default: u32) -> TestRunner {
     let asked = cases();
     let config = Config { cases: asked.unwrap_or(default), failure_persistence: None, ..Config::default() };
@@ -120,7 +120,7 @@ pub fn reals(model: &Model, causality: Causality) -> Vec<Reference> {
     list.filter(|(v, _)| v.causality == causality && v.kind == Kind::Real).map(|(_, reference)| reference).collect()
 }
 
-/// Values of these Reals; each has one.
+/// Values of these Reals, all of which must have one.
 #[track_caller]
 pub fn values(model: &mut Model, references: &[Reference]) -> Vec<f64> {
     let mut value = |reference| {
@@ -132,9 +132,9 @@ pub fn values(model: &mut Model, references: &[Reference]) -> Vec<f64> {
     references.iter().map(|&reference| value(reference)).collect()
 }
 
-/// Read every output, as a host that records all of them does: each Real has a finite value, or is NaN for a reason;
-/// of each drive against which friction locks the mechanism a force does not exist, of no other one. The Reals without
-/// a value.
+/// Read every output, like a host that records all of them. Each Real is finite, or is NaN with a reason. A drive has a
+/// force without a value if and only if friction locks the mechanism against this drive. Returns the Reals without a
+/// value.
 #[track_caller]
 pub fn read_all(model: &mut Model) -> Vec<String> {
     let list = model.variables().list().to_vec();
@@ -165,7 +165,7 @@ pub fn read_all(model: &mut Model) -> Vec<String> {
     undefined
 }
 
-/// A simulation of which every call must succeed; the calls of `.0` give their errors.
+/// A simulation in which every call must succeed. The calls of `.0` return their errors.
 #[derive(Clone)]
 pub struct Run(pub Simulation);
 
@@ -199,7 +199,7 @@ impl Run {
         value
     }
 
-    /// The output has this value, to an absolute allowance.
+    /// The output has this value, with this absolute tolerance.
     #[track_caller]
     pub fn near(&mut self, name: &str, expected: f64, allowed: f64) {
         let value = self.get(name);
@@ -219,7 +219,7 @@ impl Run {
         names.map(|name| self.get(name).to_bits())
     }
 
-    /// What the model warns of.
+    /// The warnings of the model.
     pub fn warnings(&self) -> Vec<String> {
         self.0.model().warnings().iter().map(ToString::to_string).collect()
     }
@@ -231,14 +231,14 @@ impl Run {
         bytes
     }
 
-    /// Take up a state from bytes.
+    /// Restore a state from bytes.
     #[track_caller]
     pub fn take(&mut self, bytes: &[u8]) {
         let state = self.read_snapshot(bytes).unwrap_or_else(|e| panic!("{e}"));
         self.restore(&state).unwrap_or_else(|e| panic!("{e}"));
     }
 
-    /// Why this output, which is NaN, has no value.
+    /// The reason why this output is NaN.
     #[track_caller]
     pub fn undefined(&mut self, name: &str) -> String {
         let value = self.0.get(name).unwrap_or_else(|e| panic!("{name}: {e}"));
@@ -261,7 +261,7 @@ impl Run {
         values.iter().for_each(|(name, value)| self.set(name, *value));
     }
 
-    /// With these values set.
+    /// The simulation with these values.
     #[track_caller]
     pub fn with<T: Settable + Copy>(mut self, values: &[(&str, T)]) -> Self {
         self.set_all(values);
@@ -273,14 +273,14 @@ impl Run {
         self.0.initialize().unwrap_or_else(|e| panic!("{e}"));
     }
 
-    /// At its start.
+    /// The simulation at its start.
     #[track_caller]
     pub fn started(mut self) -> Self {
         self.initialize();
         self
     }
 
-    /// Put the stated body or joint at a position with a speed.
+    /// Set the start position and the start speed of a body or joint.
     #[track_caller]
     pub fn place(&mut self, position: (&str, f64), speed: (&str, f64)) {
         self.set_all(&[position, speed]);
@@ -306,13 +306,13 @@ impl Run {
         self.0.step(h).unwrap_or_else(|e| panic!("{e}"));
     }
 
-    /// A span in this many equal steps.
+    /// A time span in this number of equal steps.
     #[track_caller]
     pub fn steps(&mut self, count: u32, span: f64) {
         (0..count).for_each(|_| self.step(span / f64::from(count)));
     }
 
-    /// Message of the initialisation's error.
+    /// The error message of the initialisation.
     #[track_caller]
     pub fn refusal(&mut self) -> String {
         self.0.initialize().unwrap_err().to_string()

@@ -1,6 +1,7 @@
-//! Numerical methods of the tests' own: none is the engine's.
+//! Numerical methods of the tests, independent of those of the engine.
 
-/// A state after a time by the classical Runge-Kutta method, in so many steps; the rate is that of a time and a state.
+/// A state after a time by the classical Runge-Kutta method with this number of steps. The rate is a function of time
+/// and state.
 pub fn runge_kutta<const N: usize>(
     rate: impl Fn(f64, [f64; N]) -> [f64; N],
     start: [f64; N],
@@ -20,14 +21,14 @@ pub fn runge_kutta<const N: usize>(
     y
 }
 
-/// The integral of a function by Simpson's rule on so many panels, an even number.
+/// The integral of a function by Simpson's rule on this even number of panels.
 pub fn simpson(f: impl Fn(f64) -> f64, from: f64, to: f64, panels: u32) -> f64 {
     let h = (to - from) / f64::from(panels);
     let inner = (1..panels).map(|k| f64::from(2 + 2 * (k % 2)) * f(from + h * f64::from(k)));
     h / 3.0 * (f(from) + inner.sum::<f64>() + f(to))
 }
 
-/// Numbers from 0 to 1 that look random: a linear congruential generator.
+/// Pseudo-random numbers from 0 to 1: a linear congruential generator.
 pub fn pseudo_random(mut seed: u64) -> impl FnMut() -> f64 {
     move || {
         seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);

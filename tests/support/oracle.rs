@@ -1,27 +1,27 @@
-//! The oracle: Newton and Euler's equations of all bodies in absolute coordinates, with the joints as constraints.
+//! The oracle: Newton-Euler equations of all bodies in absolute coordinates, with the joints as constraints.
 //!
-//! In: a linkage's plain data, drawn at random or read from a definition, and the values of its coordinates and their
-//! derivatives. Out: poses, how well the joints close, accelerations and joint reactions from one dense system, or how
-//! far given ones are from a balance. It knows nothing of the engine.
+//! In: the plain data of a linkage, generated at random or read from a definition, with values and derivatives of its
+//! coordinates. Out: poses, closure errors of the joints, accelerations and joint reactions from one dense system, and
+//! the imbalance of given reactions. It uses no code of the engine.
 pub mod linkage;
 
 use crate::support::{Vec2, turned};
 use linkage::{Attachment, Coordinate, Freedom, GROUND, Joint, Linkage, Mass};
 use nalgebra::{DMatrix, DVector, Matrix3};
 
-/// Vector [m] and angle [rad] of every body's frame, or their rates.
+/// Position [m] and angle [rad] of every body's frame, or their rates.
 pub type Poses = Vec<(Vec2, f64)>;
 
 fn perp(a: Vec2) -> Vec2 {
     Vec2::new(-a.y, a.x)
 }
 
-/// Where every body is and how it moves.
+/// Poses of all bodies with their first and second derivatives.
 pub struct Motion<'a> {
     linkage: &'a Linkage,
     pub poses: Poses,
     pub rates: Poses,
-    /// Second derivatives, by the accelerations of the coordinates.
+    /// Second derivatives, from the accelerations of the coordinates.
     pub accelerations: Poses,
 }
 
@@ -30,12 +30,13 @@ pub struct Solution {
     pub accelerations: Poses,
     /// Force that the first body exerts on the second, and its moment about the second's point.
     pub reactions: Vec<(Vec2, f64)>,
-    /// What an error of one part in each equation does to the unknowns: the inverse's norm times the equations' size.
+    /// Effect of a relative error in the equations on the unknowns: norm of the inverse times the size of the
+    /// equations.
     pub sensitivity: f64,
 }
 
 impl<'a> Motion<'a> {
-    /// From value, speed and acceleration of the coordinates in their order; all joints but those that close loops hold
+    /// From value, speed and acceleration of the coordinates in their order. All joints that close no loop hold
     /// exactly.
     pub fn of(linkage: &'a Linkage, state: &[[f64; 3]]) -> Self {
         let coordinates = linkage.coordinates();
@@ -49,7 +50,7 @@ impl<'a> Motion<'a> {
         for b in (0..count).filter(|&b| linkage.rotates(b)) {
             [motion.poses[b].1, motion.rates[b].1, motion.accelerations[b].1] = read(Coordinate::Angle(b));
         }
-        // Bodies that prismatic joints hold to the ground, outward from it.
+        // Bodies that prismatic joints connect to the ground, starting at the ground.
         let mut held = vec![false; count];
         held[GROUND] = true;
         for _ in 0..count {
@@ -96,7 +97,7 @@ impl<'a> Motion<'a> {
         motion
     }
 
-    /// The start as it was built, at rest.
+    /// The built start position, at rest.
     pub fn built(linkage: &'a Linkage) -> Self {
         Self {
             linkage,
@@ -118,13 +119,13 @@ impl<'a> Motion<'a> {
         self.rates[at.body].0 + self.rates[at.body].1 * perp(self.arm(at))
     }
 
-    /// Acceleration of a point by those of the frames.
+    /// Acceleration of a point from those of the frames.
     fn acceleration_of(&self, at: Attachment) -> Vec2 {
         let (arm, (base, alpha), spin) = (self.arm(at), self.accelerations[at.body], self.rates[at.body].1);
         base + alpha * perp(arm) - spin * spin * arm
     }
 
-    /// Second point of a joint less its first, and the rate.
+    /// Second point of a joint minus its first point, and the rate.
     fn relative(&self, Joint { first: a, second: b, .. }: &Joint) -> (Vec2, Vec2) {
         (self.point(*b) - self.point(*a), self.velocity(*b) - self.velocity(*a))
     }
@@ -160,7 +161,7 @@ impl<'a> Motion<'a> {
         sum
     }
 
-    /// Potentials of the loads at constant sizes, one by one [J].
+    /// Potentials of the loads at constant sizes [J].
     pub fn potentials(&self) -> [f64; 4] {
         let loads = &self.linkage.loads;
         let (g, up, factor) = loads.gravity;
@@ -174,7 +175,7 @@ impl<'a> Motion<'a> {
         ]
     }
 
-    /// Every mass with the place of the body that carries it; centres in that body's frame.
+    /// Every mass with the index of the body that carries it. The centres are in the frame of this body.
     fn masses(&self) -> Vec<(usize, Mass)> {
         let bodies = self.linkage.bodies.iter().enumerate().skip(1);
         let riders = self.linkage.riders.iter().map(|rider| {
@@ -184,7 +185,7 @@ impl<'a> Motion<'a> {
         bodies.map(|(b, body)| (b, body.mass)).chain(riders.filter(|(body, _)| *body != GROUND)).collect()
     }
 
-    /// Constraint Jacobian (two rows a joint, three columns a body but the ground) and J a = gamma's right-hand side.
+    /// Constraint Jacobian (two rows per joint, three columns per body without the ground), and gamma in J a = gamma.
     fn constraints(&self) -> (DMatrix<f64>, DVector<f64>) {
         let (count, joints) = (self.linkage.bodies.len() - 1, &self.linkage.joints);
         let mut jacobian = DMatrix::zeros(2 * joints.len(), 3 * count);
@@ -201,7 +202,8 @@ impl<'a> Motion<'a> {
                     jacobian[(row, at + 2)] += angle;
                 }
             };
-            // Acceleration of the second point over the first, but for the parts with accelerations of the frames.
+            // Acceleration of the second point relative to the first, without the terms in the accelerations of the
+            // frames.
             let centripetal = wa * wa * ra - wb * wb * rb;
             match joint.freedom {
                 Freedom::Revolute => {
@@ -225,7 +227,7 @@ impl<'a> Motion<'a> {
         (jacobian, gamma)
     }
 
-    /// Mass matrix, and the forces but those of the joints less what the frames' spin takes.
+    /// Mass matrix, and all forces except joint forces minus the velocity-dependent inertia terms.
     fn dynamics(&self) -> (DMatrix<f64>, DVector<f64>) {
         let count = self.linkage.bodies.len() - 1;
         let (mut mass, mut force) = (DMatrix::zeros(3 * count, 3 * count), DVector::zeros(3 * count));
@@ -259,8 +261,8 @@ impl<'a> Motion<'a> {
         (mass, force)
     }
 
-    /// Largest violation of a body's balance of forces and moments, relative to the body's largest one, under these
-    /// forces and moments in the joints.
+    /// Largest violation of the balance of forces and moments of a body, relative to its largest force or moment, for
+    /// these forces and moments in the joints.
     pub fn imbalance(&self, reactions: &[(Vec2, f64)]) -> f64 {
         let ((jacobian, _), (mass, force)) = (self.constraints(), self.dynamics());
         let frames = self.accelerations.iter().skip(1).flat_map(|(base, alpha)| [base.x, base.y, *alpha]);
@@ -348,8 +350,8 @@ impl<'a> Motion<'a> {
     }
 }
 
-/// Rates of the coordinates in the one motion that the joints let free at the start, and the smallest singular value of
-/// the constraint Jacobian.
+/// Rates of the coordinates in the one free motion at the start, and the smallest singular value of the constraint
+/// Jacobian.
 pub fn free_motion(linkage: &Linkage) -> (Vec<f64>, f64) {
     let built = Motion::built(linkage);
     let (jacobian, _) = built.constraints();

@@ -1,4 +1,4 @@
-"""The calls of an importer, written down by `spy.c` between it and the FMU's library."""
+"""The calls that an importer makes, recorded by `spy.c` between the importer and the FMU's library."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from drivers import STEP
 
 
 def spied(fmu: Path, work: Path) -> Path:
-    """The FMU with `spy.c` before its library."""
+    """A copy of the FMU with `spy.c` in the place of its library."""
     spy = work / "spy.so"
     source = Path(__file__).with_name("spy.c")
     compiler = os.environ.get("CC", "cc")
@@ -31,17 +31,17 @@ def spied(fmu: Path, work: Path) -> Path:
 
 
 class Trace:
-    """The calls of one run, as `spy.c` wrote them."""
+    """The recorded calls of one run."""
 
     def __init__(self, path: Path) -> None:
         self.lines = path.read_text(encoding="utf-8").splitlines()
 
     def names(self) -> list[str]:
-        """The functions, in order."""
+        """Names of the functions, in the order of the calls."""
         return [line.split()[0] for line in self.lines]
 
     def first(self, name: str) -> str | None:
-        """The first call of a function."""
+        """The first call of a function; None if there is none."""
         return next((line for line in self.lines if line.split()[0] == name), None)
 
     def argument(self, function: str, key: str) -> str:
@@ -50,7 +50,7 @@ class Trace:
         return found.group(1) if found else "not called"
 
     def location(self) -> str:
-        """Form of the resource location, the folder left out."""
+        """Form of the resource location, without the folder."""
         location = self.argument("fmi2Instantiate", "fmuResourceLocation")
         return re.sub(r"^(\w*:?/*).*/(resources/?)$", r"\1.../\2", location)
 
@@ -61,7 +61,7 @@ class Trace:
         return ", ".join(null) or "none"
 
     def experiment(self) -> str:
-        """What fmi2SetupExperiment says."""
+        """Arguments of fmi2SetupExperiment."""
         if self.first("fmi2SetupExperiment") is None:
             return "not called"
         get = lambda key: self.argument("fmi2SetupExperiment", key)  # noqa: E731
@@ -70,7 +70,7 @@ class Trace:
         return f"start time {get('startTime')} s, {tolerance}, {stop}"
 
     def moved(self, verb: str, first: str | None, last: str) -> str:
-        """Number of values set or read between two functions."""
+        """Number of values set or read between the first calls of two functions."""
         names = self.names()
         begin = names.index(first) if first else 0
         calls = [line for line in self.lines[begin : names.index(last)] if line.startswith(f"fmi2{verb}")]
@@ -81,7 +81,7 @@ class Trace:
         return f"{count} in {len(calls)} call{'s' if len(calls) > 1 else ''}"
 
     def step(self, number: int) -> str:
-        """The functions from the end of one step to that of the next, with the number of values that each moves."""
+        """The functions called from the end of one step to the end of the next, with the number of values of each."""
         places = [i for i, name in enumerate(self.names()) if name == "fmi2DoStep"]
         shown = []
         for line in self.lines[places[number - 1] + 1 : places[number] + 1]:
@@ -91,7 +91,7 @@ class Trace:
         return ", ".join(f"{count} x {key}" if count > 1 else key for key, count in groups)
 
     def points(self) -> str:
-        """How the communication points are formed, and the step sizes that occur."""
+        """How the communication points are computed, and the step sizes that occur."""
         calls = [line for line in self.lines if line.startswith("fmi2DoStep")]
         values = [tuple(map(float, re.findall(r"=(\S+)", line)[:2])) for line in calls]
         points, sizes = [point for point, _ in values], {size for _, size in values}
@@ -107,12 +107,12 @@ class Trace:
         return f"{way}{f' (off n h by {off:.0e} s at most)' if off else ''}, {spread}"
 
     def ending(self) -> str:
-        """What follows the last step, reading apart."""
+        """The functions called after the last step, except those that read."""
         names = self.names()
         last = len(names) - 1 - names[::-1].index("fmi2DoStep")
         rest = [name.removeprefix("fmi2") for name in names[last + 1 :] if not name.startswith("fmi2Get")]
         return ", ".join(rest) or "nothing"
 
     def refused(self) -> list[str]:
-        """Calls that were answered with anything but fmi2OK."""
+        """Calls with another status than fmi2OK."""
         return [line for line in self.lines if re.search(r"-> (?!0$|instance$)", line)]

@@ -1,5 +1,5 @@
-"""Couple the packed landing gear and its hydraulic actuator with several importers, and with the plain exchange of each
-for comparison; the errors of the crank angle against an independent integration of both as one system.
+"""Couple the packed landing gear and its hydraulic actuator in several importers, with preview and, for comparison,
+without; errors of the crank angle against an independent integration of both as one system.
 
 usage: coupled.py FMUS --worker HOST STEP OUT      one run; FMUS is the folder of the packed FMUs and of the SSP package
 """
@@ -33,11 +33,11 @@ REFERENCE = {
     3800: -1.22821155571711,
     4000: -1.28835660508442,
 }
-"""Angle of the crank [rad] after so many milliseconds: Taylor-series integration of both as one system."""
+"""Angle of the crank [rad] by time [ms]: Taylor-series integration of gear and hydraulics as one system."""
 ALLOWED = {1: 1e-5, 5: 5e-4, 10: 1e-2, 20: 1e-2}
-"""Allowed error of the angle [rad] with preview, by the step [ms]."""
+"""Allowed error of the angle with preview [rad], by communication step [ms]."""
 LATE = (1, 5)
-"""Steps [ms] up to which hosts that pass every output on one step late must meet that in the mode preview."""
+"""Steps [ms] up to which hosts that pass every output one step late must keep this error in the mode preview."""
 
 ANGLE, FORCE = "crank.angle", "actuator.force"
 MOTION = ("actuator.length", "actuator.speed", "actuator.acceleration")
@@ -49,16 +49,17 @@ MEAN, MODE = "preview.force_mean", "coupling.mode"
 DELAYED_NUMBER = 3
 """Number of the item `delayed` of `coupling.mode`."""
 PLAIN, PREVIEW, DELAYED = "plain", "preview", "delayed"
-"""What is exchanged: force and motion alone; with preview; with preview in the mode for hosts one step late."""
+"""What is exchanged: force and motion alone; the preview too; the preview in the mode for hosts one step late."""
 
 DELAYED_FMU = "DELAYED_FMU"
-"""Environment variable: path of the hydraulics packed with the mode `delayed`, for hosts without Enumerations."""
+"""Environment variable: path of the hydraulics packed with the mode `delayed`, for hosts that cannot set Enumerations.
+"""
 
 Angles = list[float]
 
 
 def parameters(step: float) -> dict[str, float]:
-    """Values of the hydraulics: the valve opens to 0.65 within 0.1 s."""
+    """Start values of the hydraulics: the valve opens to 0.65 within 0.1 s."""
     return {"command.ramp_amplitude": 0.65, "command.ramp_time": 0.1, "preview.horizon": step}
 
 
@@ -68,13 +69,14 @@ def hydraulics(fmus: Path, scheme: str) -> str:
 
 
 def shared(scheme: str) -> tuple[tuple[str, ...], str]:
-    """What the gear tells the hydraulics, and the output of these that is the gear's force."""
+    """Outputs of the gear that the hydraulics take as inputs, and the output of the hydraulics that is the gear's
+    force."""
     return (MOTION, FORCE) if scheme == PLAIN else ((*MOTION, *ELEMENT), MEAN)
 
 
 def fmpy(fmus: Path, step: float, scheme: str) -> Angles:
-    """A loop over FMPy's slaves; in each step the gear's outputs come first, but with `delayed`, where all values are
-    handed on as they were after the step before."""
+    """A loop over FMPy's slaves. Each step reads the gear's outputs before it sets the inputs of the hydraulics; with
+    `delayed`, all inputs have the values of the step before."""
     from fmpy import extract, read_model_description
     from fmpy.fmi2 import FMU2Slave
 
@@ -93,23 +95,23 @@ def fmpy(fmus: Path, step: float, scheme: str) -> Angles:
     (gear, of_gear), (oil, of_oil) = load(GEAR), load(HYDRAULICS)
     names, source = shared(scheme)
 
-    def tell() -> None:
+    def exchange() -> None:
         oil.setReal([of_oil[name] for name in names], gear.getReal([of_gear[name] for name in names]))
 
     gear.setBoolean([of_gear["downstop.enabled"]], [False])
     oil.setReal([of_oil[name] for name in parameters(step)], list(parameters(step).values()))
     if scheme == DELAYED:
         oil.setInteger([of_oil[MODE]], [DELAYED_NUMBER])
-    tell()
+    exchange()
     gear.exitInitializationMode()
     oil.exitInitializationMode()
     angles = []
     for i in range(round(END * 1e-3 / step)):
         if scheme == DELAYED:
             gear.setReal([of_gear[FORCE]], oil.getReal([of_oil[source]]))
-            tell()
+            exchange()
         else:
-            tell()
+            exchange()
             gear.setReal([of_gear[FORCE]], oil.getReal([of_oil[source]]))
         gear.doStep(i * step, step)
         oil.doStep(i * step, step)
@@ -118,7 +120,7 @@ def fmpy(fmus: Path, step: float, scheme: str) -> Angles:
 
 
 def cosim(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles:
-    """libcosim by way of libcosimpy: fixed-step algorithm; connections by calls, or from the SSP package."""
+    """libcosim through libcosimpy with its fixed-step algorithm; connections by calls or from the SSP package."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimObserver import CosimObserver
     from libcosimpy.CosimSlave import CosimLocalSlave
@@ -150,8 +152,8 @@ def cosim(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles
 
 
 def ecos(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles:
-    """ECOS by way of ecospy; connections by calls, or from the SSP package."""
-    # ecospy's library looks for oneTBB, which a wheel puts into the environment's own lib folder.
+    """ECOS through ecospy; connections by calls or from the SSP package."""
+    # The library of ecospy needs oneTBB, which its wheel installs in the lib folder of the environment.
     ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
     from ecospy import EcosSimulation, EcosSimulationStructure
 
@@ -182,13 +184,13 @@ def ecos(fmus: Path, step: float, scheme: str, package: bool = False) -> Angles:
 
 @dataclass(frozen=True)
 class Host:
-    """A host, and one way to set it up."""
+    """A host with one way to set up the connections."""
 
     title: str
     run: Callable[[Path, float], Angles]
     steps: tuple[int, ...] = STEPS
     promised: tuple[int, ...] = ()
-    """Steps [ms] at which the allowed error is promised."""
+    """Steps [ms] at which the error must be within the allowed one."""
 
 
 HOSTS = {
@@ -207,8 +209,8 @@ HOSTS = {
 
 
 def error(host: str, fmus: Path, step: int, work: Path) -> float:
-    """Largest error of the angle [rad] over the reference's points, by a run in a process of its own; infinite if the
-    host gives up."""
+    """Largest error of the angle [rad] over the reference's points, from a run in its own process; infinite if the host
+    fails."""
     out = work / f"coupled-{host}-{step}.json"
     out.unlink(missing_ok=True)
     command = [sys.executable, __file__, str(fmus), "--worker", host, str(step), str(out)]
@@ -234,11 +236,11 @@ outputs after a step and pass them on before the next: the force is foreseen fro
 step late. In the mode `preview` that costs nothing at 1 ms, and beyond 8 ms the coupling is lost; the mode `delayed` is
 made for these hosts and errs as little as `preview` does in a host that reads the gear's outputs first.
 """.splitlines()
-"""What stands before and after the table in the report."""
+"""Text before and after the table in the report."""
 
 
 def table(fmus: Path, work: Path) -> tuple[list[str], bool]:
-    """A table in Markdown of the largest errors, and whether every preview is within what is allowed."""
+    """A Markdown table of the largest errors, and whether every error with preview is within the allowed one."""
     head = ["host", *(f"{step} ms" for step in STEPS)]
     lines, good = [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head))], True
     for name, host in HOSTS.items():
@@ -255,7 +257,7 @@ def table(fmus: Path, work: Path) -> tuple[list[str], bool]:
 
 
 def main() -> None:
-    """One run, or the table."""
+    """Execute one run, or write the table."""
     parser = argparse.ArgumentParser(description="Couple landing gear and hydraulic actuator with importers.")
     parser.add_argument("fmus", type=Path, metavar="FMUS", help="folder of the packed FMUs")
     parser.add_argument("--work", type=Path, default=Path("importers"), help="folder for results")

@@ -1,4 +1,4 @@
-"""The importers, and how each drives the landing gear through a case: the outputs after every step."""
+"""The importers: how each simulates the landing gear in a case. A run gives the outputs after every step."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ import fmi_sim
 STEP = 1e-3
 """Communication step [s]."""
 STEPS = 130
-"""Steps of a run."""
+"""Number of steps of a run."""
 CHANGE = 50
 """Step before which the input changes in the case `input`."""
 
 OUTPUTS = ("crank.angle", "crank.speed", "joint2.force", "actuator.length")
-"""What is compared, after every step."""
+"""Outputs that are compared after every step."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ def fmpy(fmu: Path, case: Case) -> Rows:
 
 
 def libcosim(fmu: Path, case: Case) -> Rows:
-    """libcosim by way of libcosimpy: fixed-step algorithm, an observer for the last values."""
+    """libcosim through libcosimpy with its fixed-step algorithm; an observer gives the last values."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimManipulator import CosimManipulator
     from libcosimpy.CosimObserver import CosimObserver
@@ -91,10 +91,10 @@ def libcosim(fmu: Path, case: Case) -> Rows:
 
 
 def ecos(fmu: Path, case: Case) -> Rows:
-    """ECOS by way of ecospy."""
+    """ECOS through ecospy."""
     import ctypes
 
-    # ecospy's library looks for oneTBB, which a wheel puts into the environment's own lib folder.
+    # The library of ecospy needs oneTBB, which its wheel installs in the lib folder of the environment.
     ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
     from ecospy import EcosSimulation, EcosSimulationStructure
 
@@ -114,8 +114,8 @@ def ecos(fmu: Path, case: Case) -> Rows:
 
 
 def rust(fmu: Path, case: Case) -> Rows:
-    """fmi-sim. By FMI 2.0 it takes the value before a jump at a communication point, so that its table jumps half a
-    step before."""
+    """fmi-sim. With FMI 2.0 it uses the value before a jump at a communication point, so that the table of inputs jumps
+    half a step earlier."""
     options = ["--output-interval", f"{STEP:g}", "-f", f"{STEPS * STEP:g}"]
     for name, value in case.start.items():
         options += ["--init-values", f"{name}={value:g}"]
@@ -130,14 +130,14 @@ def rust(fmu: Path, case: Case) -> Rows:
 
 @dataclass(frozen=True)
 class Importer:
-    """A name, the package that brings it, and how it runs a case."""
+    """An importer: its name, the package that contains it, and the function that runs a case."""
 
     title: str
     package: str
     run: Callable[[Path, Case], Rows]
 
     def release(self) -> str:
-        """Package and version."""
+        """Name and version of the package."""
         version = fmi_sim.version() if self.package == "fmi-sim" else importlib.metadata.version(self.package)
         return f"{self.package} {version}"
 
@@ -148,12 +148,12 @@ IMPORTERS = {
     "ecos": Importer("ECOS (ecospy)", "ecospy", ecos),
 }
 OF_FMI_3 = {"fmpy3": Importer("FMPy, FMI 3.0", "FMPy", lambda fmu, case: fmpy(third(fmu), case))}
-"""Those that run the FMU of FMI 3.0, without the spy, which knows the functions of FMI 2.0."""
+"""Importers that run the FMU of FMI 3.0, without the spy, which has the functions of FMI 2.0 only."""
 if fmi_sim.program():
     IMPORTERS["fmi_sim"] = Importer("fmi-sim", "fmi-sim", rust)
     OF_FMI_3["fmi_sim3"] = Importer("fmi-sim, FMI 3.0", "fmi-sim", lambda fmu, case: rust(third(fmu), case))
 
 
 def third(fmu: Path) -> Path:
-    """The FMU of FMI 3.0 beside that of FMI 2.0."""
+    """Path of the FMU of FMI 3.0 next to the FMU of FMI 2.0."""
     return fmu if fmu.name.endswith(".fmi3.fmu") else fmu.with_suffix(".fmi3.fmu")

@@ -1,7 +1,7 @@
-"""Drive the packed landing gear with fmi-sim, a program in Rust, of the crate of this name on crates.io.
+"""Drive the packed landing gear with fmi-sim, a program in Rust from the crate of this name on crates.io.
 
-Of an FMU of FMI 3.0 it gets a copy whose description leaves out what its release 0.7.0 does not read: units, nominal
-values and the like of Float64 variables, which its parser refuses as unknown, and vectors, which it reads as one value.
+For FMI 3.0 it runs a copy of the FMU whose description omits what release 0.7.0 does not read: attributes of Float64
+variables such as units and nominal values, which its parser rejects as unknown, and vectors, which it reads as scalars.
 The library and all scalars are those of the packed FMU.
 """
 
@@ -19,35 +19,35 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 PROGRAM = "FMI_SIM"
-"""Environment variable with the program's path."""
+"""Environment variable with the path of the program."""
 UNREAD = ("quantity", "unit", "displayUnit", "relativeQuantity", "unbounded", "nominal")
-"""Attributes of Float64 variables (FMI 3.0.2, 2.4.7.3) that fmi-sim refuses."""
+"""Attributes of Float64 variables (FMI 3.0.2, 2.4.7.3) that fmi-sim rejects."""
 EVENT = 0.13205985274425970
-"""Time at which the up stop is met, by quadrature [s]."""
+"""Time at which the gear reaches the up stop, by quadrature [s]."""
 ALLOWED_EVENT = 1e-12
-"""Largest error of that time [s]."""
+"""Allowed error of that time [s]."""
 EULER = (1e-4, 1e-5)
-"""Steps of model exchange by Euler's method [s]."""
+"""Step sizes of model exchange by Euler's method [s]."""
 ALLOWED_RATIO = 0.05
-"""Largest deviation of the ratio of both errors from that of the steps, as a part of it."""
+"""Allowed relative deviation of the ratio of both errors from the ratio of the steps."""
 
 Table = list[dict[str, float]]
 
 
 def program() -> Path | None:
-    """The program, if there is one."""
+    """Path of the program; None if it is not installed."""
     path = os.environ.get(PROGRAM)
     return Path(path) if path else None
 
 
 def version() -> str:
-    """Its version. The text stands where it tells errors."""
+    """Version of the program. fmi-sim prints it where it prints errors."""
     done = subprocess.run([str(program()), "--version"], capture_output=True, text=True)
     return re.search(r"\d+\.\d+\.\d+", done.stdout + done.stderr).group(0)
 
 
 def understood(fmu: Path, folder: Path) -> Path:
-    """A copy of an FMU of FMI 3.0 in a folder, whose description has what fmi-sim reads; one of FMI 2.0 as it is."""
+    """In a folder, a copy of an FMU of FMI 3.0 whose description fmi-sim can read; an FMU of FMI 2.0 is not changed."""
     with zipfile.ZipFile(fmu) as packed:
         description = ElementTree.fromstring(packed.read("modelDescription.xml"))
         if not description.get("fmiVersion").startswith("3."):
@@ -72,7 +72,7 @@ def understood(fmu: Path, folder: Path) -> Path:
 
 
 def run(fmu: Path, interface: str, *options: str, signal: str | None = None) -> Table:
-    """One run; the outputs at each communication point. `signal` is a table of inputs over time, as CSV."""
+    """One run: the outputs at each communication point. `signal` is a CSV table of inputs over time."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         out, table = folder / "outputs.csv", folder / "inputs.csv"
@@ -89,12 +89,12 @@ def run(fmu: Path, interface: str, *options: str, signal: str | None = None) -> 
 
 
 def is_number(text: str) -> bool:
-    """Whether a cell holds a number, not a Boolean or the name of an item."""
+    """Whether a cell contains a number, rather than a Boolean or the name of an item."""
     return re.match(r"-?(\d|NaN|inf)", text) is not None
 
 
 def refusal(fmu: Path) -> str:
-    """What fmi-sim says of the FMU as it is packed."""
+    """What fmi-sim prints for the FMU as it is packed."""
     command = [str(program()), "--model", str(fmu), "--output-file", os.devnull, "co-simulation"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300.0)
     assert done.returncode != 0, f"fmi-sim takes {fmu.name} as it is: leave `understood` out"
@@ -102,8 +102,8 @@ def refusal(fmu: Path) -> str:
 
 
 def section(fmu: Path, angle: float) -> tuple[list[str], bool]:
-    """The lines about event mode and model exchange in FMI 3.0, and whether all holds; `angle` is that of the crank at
-    0.13 s by quadrature [rad]."""
+    """The report's lines about event mode and model exchange in FMI 3.0, and whether all results are correct. `angle`:
+    angle of the crank at 0.13 s by quadrature [rad]."""
     events = ("--event-mode-used", "--early-return-allowed", "--output-interval", "1e-3", "-f", "0.14")
     rows = run(fmu, "co-simulation", *events)
     before = next(row for row, later in itertools.pairwise(rows) if row["time"] == later["time"])

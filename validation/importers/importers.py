@@ -1,12 +1,12 @@
-"""Drive the packed landing gear with several importers; compare the trajectories and write down what each one calls;
-then couple the gear with its hydraulic actuator in each.
+"""Drive the packed landing gear with several importers, compare the trajectories, and record the calls of each; then
+couple the gear with its hydraulic actuator in each.
 
 usage: importers.py FMU --out importers.md [--work DIR]
 
-With FMI_SIM in the environment, the path of the program of the crate fmi-sim, that is one of the importers.
+If the environment variable FMI_SIM is the path of the program of the crate fmi-sim, fmi-sim is one of the importers.
 
-Each run is a process of its own. It is done twice: with the FMU as packed, for the trajectory, and with `spy.c` before
-the FMU's library, for the calls; the two trajectories must be the same bits.
+Each run has its own process and is executed twice: with the FMU as packed, for the trajectory, and with `spy.c` in the
+place of the FMU's library, for the calls; the two trajectories must be bit-identical.
 """
 
 from __future__ import annotations
@@ -31,11 +31,11 @@ from drivers import CASES, CHANGE, IMPORTERS, OF_FMI_3, OUTPUTS, STEP, STEPS, Ro
 TOLERANCE = 1e-9
 """Default tolerance of the FMU's integration [1]."""
 GLOBAL_OVER_LOCAL = 100.0
-"""Promised ratio of the error at the end of a run to the tolerance of one step."""
+"""Largest accepted ratio of the error at the end of a run to the tolerance of one step."""
 REFERENCE_ANGLE = -1.2377117266891367
-"""Angle of the crank at 0.13 s with all defaults by quadrature [rad]."""
+"""Angle of the crank at 0.13 s with all defaults, by quadrature [rad]."""
 S1_ERROR = 1e-11
-"""Largest error of the angle at 0.13 s with all defaults [rad], by FMI 3.0."""
+"""Allowed error of the angle at 0.13 s with all defaults, with FMI 3.0 [rad]."""
 
 NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5, a source archive; `pip download` and
   `pip install` end in its setup.py (`No module named 'numpy'`, and with numpy at hand and no build isolation `Please
@@ -49,13 +49,13 @@ NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5,
 
 
 def worker(name: str, case: str, fmu: Path, out: Path) -> None:
-    """One run in this process."""
+    """Execute one run in this process."""
     importers = {**IMPORTERS, **OF_FMI_3}
     out.write_text(json.dumps(importers[name].run(fmu, CASES[case])), encoding="utf-8")
 
 
 def run(name: str, case: str, fmu: Path, work: Path, trace: Path | None = None) -> Rows:
-    """One run in a process of its own."""
+    """Execute one run in its own process."""
     out = work / f"{name}-{case}.json"
     out.unlink(missing_ok=True)
     environment = dict(os.environ)
@@ -70,7 +70,7 @@ def run(name: str, case: str, fmu: Path, work: Path, trace: Path | None = None) 
 
 
 def difference(rows: Rows, reference: Rows) -> list[float]:
-    """Largest difference of each output, as a part of its largest value."""
+    """Largest difference of each output relative to its largest value."""
     columns = zip(zip(*rows, strict=True), zip(*reference, strict=True), strict=True)
     return [max(abs(a - b) for a, b in zip(x, y, strict=True)) / max(map(abs, y)) for x, y in columns]
 
@@ -81,7 +81,7 @@ def table(header: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def foreign(host: Path, work: Path) -> str:
-    """The coupling host of `cargo fmu bench cosim` on an FMU that another tool exports: what it says."""
+    """Output of the coupling host of `cargo fmu bench cosim` for an FMU that another tool exports."""
     build = [sys.executable, "-m", "pythonfmu", "build", "-f", str(Path(__file__).with_name("oil_spring.py"))]
     subprocess.run([*build, "-d", str(work)], check=True, capture_output=True)
     # The exported library takes Python's functions from the process that loads it.
@@ -92,7 +92,7 @@ def foreign(host: Path, work: Path) -> str:
 
 
 def fmi_sim_section(fmu: Path) -> tuple[list[str], bool]:
-    """What fmi-sim does beyond co-simulation in fixed steps, if it is there, and whether all holds."""
+    """Results of fmi-sim beyond co-simulation with constant steps, if it is installed, and whether all are correct."""
     if not fmi_sim.program():
         return [], True
     lines, holds = fmi_sim.section(third(fmu), REFERENCE_ANGLE)
@@ -109,7 +109,7 @@ def fmi_sim_section(fmu: Path) -> tuple[list[str], bool]:
 
 
 def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
-    """Run everything; the report, and whether all importers agree."""
+    """Execute all runs; returns the report and whether all importers agree."""
     spy = spied(fmu, work)
     bound = GLOBAL_OVER_LOCAL * TOLERANCE
     good = True
@@ -214,7 +214,7 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
 
 
 def main() -> None:
-    """Run the comparison, or one run of it."""
+    """Execute the comparison, or one run of it."""
     parser = argparse.ArgumentParser(description="Compare importers on the landing gear.")
     parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu, the others beside it")
     parser.add_argument("--host", type=Path, help="program of the package validation, whose coupling host is tried")

@@ -1,4 +1,4 @@
-"""An oil spring and its leak: F' = -stiffness v - F / leak_time, exact under a speed held over the step."""
+"""An oil spring with leakage: F' = -stiffness v - F / leak_time, exact for a constant speed in each step."""
 
 import math
 

@@ -1,7 +1,7 @@
-/* A library between an importer and an FMU: it writes down every call of the importer's and passes it on.
+/* A library between an importer and an FMU: it records every call of the importer and forwards it.
  *
- * It takes the place of binaries/linux64/<modelIdentifier>.so; the FMU's own library lies beside it as "original.so".
- * The environment variable FMU_TRACE names the file that the lines are appended to, one a call:
+ * It replaces binaries/linux64/<modelIdentifier>.so; the FMU's own library is in the same folder as "original.so".
+ * The environment variable FMU_TRACE is the path of the file to which it appends one line per call:
  *     <function> <arguments> -> <status>
  * Types are those of fmi2TypesPlatform.h and fmi2FunctionTypes.h (FMI 2.0.5). */
 #define _GNU_SOURCE
@@ -60,7 +60,7 @@ static void references(const Vr *vr, size_t n) {
     for (size_t i = 0; vr && i < n; i++) fprintf(trace(), " %u", vr[i]);
 }
 
-/* Pass a call on: declared types, argument names, format and values of what is written. */
+/* Forward a call: declared types, argument names, format and values of the recorded line. */
 #define PASS(name, declared, passed, ...)                         \
     int name declared {                                           \
         fprintf(trace(), #name " " __VA_ARGS__);                  \

@@ -1,5 +1,5 @@
 """Run the SSP package of the landing-gear system in libcosim and in ECOS: times of the events of a retraction and an
-extension, as the loop of the demonstration gives them and as the hosts do.
+extension, compared with those of the demonstration's loop.
 
 usage: system.py LandingGearSystem.ssp      prints a table for each communication step
 """
@@ -23,7 +23,7 @@ Times = dict[str, list[float]]
 
 
 def events(states: Callable[[], list[bool]], advance: Callable[[int], None], step: float) -> Times:
-    """Times of the events by their words; `advance` makes a step after the levers of this step are set."""
+    """Times of the events by their labels. `advance` makes a step after the levers of this step are set."""
     found: Times = {}
     before: list[bool] = []
     for i in range(round(END / step)):
@@ -44,7 +44,7 @@ def levers(i: int, step: float) -> dict[str, float]:
 
 
 def fmpy(package: Path, step: float) -> Times:
-    """The loop of the demonstration."""
+    """Times with the loop of the demonstration."""
     found: Times = {}
     for time, words in demo_system.run(package, step, END).events:
         if not words.startswith("--"):
@@ -53,7 +53,7 @@ def fmpy(package: Path, step: float) -> Times:
 
 
 def cosim(package: Path, step: float) -> Times:
-    """libcosim by way of libcosimpy, fixed-step algorithm."""
+    """Times with libcosim through libcosimpy, fixed-step algorithm."""
     from libcosimpy.CosimExecution import CosimExecution
     from libcosimpy.CosimManipulator import CosimManipulator
     from libcosimpy.CosimObserver import CosimObserver
@@ -81,8 +81,8 @@ def cosim(package: Path, step: float) -> Times:
 
 
 def ecos(package: Path, step: float) -> Times:
-    """ECOS by way of ecospy."""
-    # ecospy's library looks for oneTBB, which a wheel puts into the environment's own lib folder.
+    """Times with ECOS through ecospy."""
+    # The library of ecospy needs oneTBB, which its wheel installs in the lib folder of the environment.
     ctypes.CDLL(str(Path(sys.prefix) / "lib" / "libtbb.so.12"), mode=ctypes.RTLD_GLOBAL)
     from ecospy import EcosSimulation
 
@@ -110,7 +110,7 @@ def main() -> None:
         for host, run in hosts.items():
             try:
                 found[host] = run(package, step)
-            except Exception as error:  # a host that gives up is a result
+            except Exception as error:  # the failure of a host is a result
                 print(f"{host}, {1e3 * step:g} ms: {type(error).__name__}: {error}")
         print(f"step {1e3 * step:g} ms".ljust(32) + "".join(host.rjust(22) for host in found))
         for words in found["FMPy"]:

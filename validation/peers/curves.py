@@ -1,4 +1,4 @@
-"""The measured points as curves: what error costs what time, and who is fastest."""
+"""The measured points as curves of run time over error, and the comparison of the tools."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LEVELS = (1e-3, 1e-6, 1e-9, 1e-12)
 DECADES = tuple(10.0**-k for k in range(3, 13))
 """Errors in the tables of each method [rad]."""
 TOOL, METHOD = "linkage-fmu", "tables"
-"""This project as it comes."""
+"""This project with its default settings."""
 HEADER = ("scene", "tool", "method", "setting", "error_rad", "run_s", "setup_s", "evaluations")
 
 
@@ -38,11 +38,11 @@ class Curve:
         return min(point.setup for point in self.points)
 
     def best(self, error: float) -> Point | None:
-        """The fastest setting that errs by no more."""
+        """The fastest setting with at most this error; None if there is none."""
         return min((p for p in self.points if p.error <= error), key=lambda p: p.run, default=None)
 
     def frontier(self) -> list[Point]:
-        """Settings that no other one beats in both error and time, from the smallest error on."""
+        """Settings for which no other setting is better in both error and run time, by increasing error."""
         found: list[Point] = []
         for point in sorted(self.points, key=lambda p: (p.error, p.run)):
             if not found or point.run < found[-1].run:
@@ -51,7 +51,7 @@ class Curve:
 
 
 def curves(points: Iterable[Point], scene: str) -> list[Curve]:
-    """The curves of a scene, in the order in which they were measured."""
+    """The curves of a scene, in the order of measurement."""
     grouped: dict[tuple[str, str], list[Point]] = {}
     for point in points:
         if point.scene == scene and math.isfinite(point.error):
@@ -60,12 +60,12 @@ def curves(points: Iterable[Point], scene: str) -> list[Curve]:
 
 
 def own(found: list[Curve]) -> Curve:
-    """This project's curve that the others are compared with."""
+    """This project's curve, with which the others are compared."""
     return next(curve for curve in found if (curve.tool, curve.method) == (TOOL, METHOD))
 
 
 def faster(found: list[Curve]) -> list[str]:
-    """A line for every error at which this project is not the fastest."""
+    """One line for each error at which this project is not the fastest."""
     lines = []
     for level in LEVELS:
         mine = own(found).best(level)
@@ -78,14 +78,14 @@ def faster(found: list[Curve]) -> list[str]:
 
 
 def read(path: Path) -> list[Point]:
-    """Points of a table."""
+    """Points from a CSV file."""
     with path.open(newline="", encoding="utf-8") as file:
         rows = [[row[name] for name in HEADER] for row in csv.DictReader(file)]
     return [Point(*row[:4], *map(float, row[4:7]), int(row[7]) if row[7] else None) for row in rows]
 
 
 def write(path: Path, points: Iterable[Point]) -> None:
-    """Points as a table."""
+    """Write points to a CSV file."""
     with path.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(HEADER)

@@ -1,7 +1,6 @@
 """EXUDYN: rigid bodies in the plane with revolute joints, by its implicit integrators.
 
-Its explicit integrators take no joints (EXUDYN's documentation, "Explicit solvers"), so that no closed loop can be had
-with them.
+Its explicit integrators do not support joints (EXUDYN's documentation, "Explicit solvers"), hence no closed loops.
 """
 
 from __future__ import annotations
@@ -17,8 +16,8 @@ from scenes import GROUND, Scene, Vector
 
 TOOL = "EXUDYN"
 NEWTON = ((1e-12, False), (1e-9, True), (1e-6, False), (1e-6, True))
-"""Tolerances of Newton's iterations, relative and absolute, and whether they keep their Jacobian. At small steps a
-loose one bends the curve, so that only the first is tried there."""
+"""Tolerances of Newton's iterations, relative and absolute, and whether they keep their Jacobian. With small steps a
+loose tolerance limits the error, so that only the first is used there."""
 STEPS = (*(n * ten for ten in (1, 10) for n in (10, 13, 16, 20, 25, 32, 40, 50, 63, 80)), 1000, 1300, 2000)
 SMALL_STEPS = (5000, 10_000, 20_000, 50_000)
 """Numbers of equal steps."""
@@ -70,7 +69,7 @@ class Model:
 def settings(
     span: float, steps: int, radius: float | None, tolerance: float, modified: bool
 ) -> exudyn.SimulationSettings:
-    """Equal steps, Newton's iterations, no output; the spectral radius at infinity."""
+    """Solver settings: equal steps, Newton's iterations, no output. `radius`: spectral radius at infinity."""
     result = exudyn.SimulationSettings()
     result.solution.file.write = False
     integration = result.timeIntegration
@@ -84,7 +83,7 @@ def settings(
 
 
 def points(scene: Scene) -> Iterator[Point]:
-    """All curves. Where Newton's iterations fail for a step too large, one line says so."""
+    """All curves. A line states each step size for which Newton's iterations fail."""
     exudyn.config.printToConsole = False
     solvers = exudyn.DynamicSolverType
     curves = [

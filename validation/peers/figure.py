@@ -1,4 +1,4 @@
-"""The figure: run time against error, log-log, one colour a tool (Okabe and Ito's, and Tol's), one marker a method."""
+"""The figure: run time over error, both logarithmic; a colour per tool (Okabe and Ito, Tol), a marker per method."""
 
 from __future__ import annotations
 
@@ -25,17 +25,17 @@ COLOURS = {
     "heyoka": "#332288",
 }
 COMPILED = ("numba", "#E69F00")
-"""Methods with this word have a colour of their own."""
+"""Methods whose names contain this word have their own colour."""
 MARKERS = "osD^vP*Xh<>"
 STYLES = ("-", "--", ":", "-.")
 SPACING = {"handlelength": 3.0, "columnspacing": 1.2, "handletextpad": 0.6}
-"""Of the legends."""
+"""Font size of the legends."""
 LEAST = 1e-15
-"""Errors below are drawn here: they are rounding [rad]."""
+"""Errors below this are drawn at it, as they are rounding errors [rad]."""
 
 
 def draw(axes: Axes, title: str, found: list[Curve], setup: bool = False) -> None:
-    """One panel: the frontier of each curve; with `setup`, with what comes once before the first run."""
+    """One panel with the frontier of each curve; `setup` adds the set-up time before the first run."""
     counts: dict[str, int] = {}
     for curve in found:
         number = counts[curve.tool] = counts.get(curve.tool, -1) + 1
@@ -64,7 +64,7 @@ def draw(axes: Axes, title: str, found: list[Curve], setup: bool = False) -> Non
 
 
 def save(points: list[Point], folder: Path) -> None:
-    """Draw everything; PNG and SVG."""
+    """Draw all panels into a PNG and an SVG file."""
     mpl.use("Agg")
     mpl.rcParams.update({"font.size": 9, "svg.hashsalt": "peers", "svg.fonttype": "path", "axes.axisbelow": True})
     gear, squeezer = curves(points, "S1"), curves(points, "Andrews")
@@ -90,7 +90,7 @@ def save(points: list[Point], folder: Path) -> None:
 
 
 def shortest(found: list[Curve]) -> list[Curve]:
-    """For each other tool the method that is done first at 1e-6 rad, set-up included."""
+    """For each other tool the method with the least time for 1e-6 rad, set-up included."""
     best: dict[str, tuple[float, Curve]] = {}
     for curve in found:
         point = curve.best(1e-6)

@@ -1,4 +1,4 @@
-"""This project's FMU through FMI's C functions, called from Python as any host may."""
+"""This project's FMU, called from Python through FMI's C functions as a host calls it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OK, CO_SIMULATION = 0, 1
 
 
 class Fmu:
-    """One instance of a packed FMU at its start, with the given tolerance."""
+    """One instance of a packed FMU in its initial state, with the given tolerance."""
 
     def __init__(self, folder: Path, tolerance: float) -> None:
         description = ElementTree.parse(folder / "modelDescription.xml").getroot()
@@ -44,19 +44,19 @@ class Fmu:
         self.reference, self.value = c_uint(int(variable.attrib["valueReference"])), c_double()
 
     def call(self, name: str, *arguments: object) -> None:
-        """One function of FMI; anything but fmi2OK is an error."""
+        """Call one function of FMI; any status but fmi2OK is an error."""
         if getattr(self.library, name)(self.instance, *arguments) != OK:
             raise RuntimeError(f"{name} failed")
 
     def run(self) -> float:
-        """Back to the start, one step to the end, the angle there [rad]."""
+        """Restore the initial state and make one step to the end; returns the angle there [rad]."""
         self.call("fmi2SetFMUstate", self.start)
         self.call("fmi2DoStep", c_double(0.0), c_double(SPAN), c_int(1))
         self.call("fmi2GetReal", byref(self.reference), c_size_t(1), byref(self.value))
         return self.value.value
 
     def close(self) -> None:
-        """End of the instance."""
+        """Free the instance."""
         self.call("fmi2FreeFMUstate", byref(self.start))
         self.library.fmi2FreeInstance(self.instance)
 

@@ -1,7 +1,7 @@
 """Scene S1's equation of motion in the crank angle, in closed form: `src/four_bar.rs` in plain Python.
 
-I(theta) theta'' = Q(theta) - 1/2 I'(theta) theta'^2, k_i = d(theta_i)/d(theta2). The function works on numbers only, so
-that numba can compile it as it is.
+I(theta) theta'' = Q(theta) - 1/2 I'(theta) theta'^2, k_i = d(theta_i)/d(theta2). The function uses numbers only: numba
+can compile it.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ START = (0.8, 0.0)
 SPAN = 0.13
 """Length of the run [s]."""
 EXACT = -1.2377117266891367
-"""theta2 at the end, from a 34-digit energy quadrature [rad]."""
+"""theta2 at the end, from an energy quadrature with 34 digits [rad]."""
 
 GROUND, CRANK, COUPLER, FOLLOWER, LEG = 0.5729, 0.1755, 0.217, 0.34, 0.759
 CRANK_MASS, COUPLER_MASS, FOLLOWER_MASS, LEG_MASS, WHEEL_MASS = 13.689, 0.72037056, 3.850704, 36.8, 19.5
@@ -33,7 +33,7 @@ def acceleration(theta2: float, omega: float) -> float:
     """theta2'' [rad/s2] for the crank angle [rad] and its rate [rad/s]."""
     c, s = cos(theta2), sin(theta2)
     x2, y2 = CRANK * c, CRANK * s
-    # C to the left of the diagonal from B to D.
+    # C lies to the left of the diagonal from B to D.
     dx, dy = GROUND - x2, -y2
     inverse = 1 / (dx * dx + dy * dy)
     along = 0.5 + HALF_DIFFERENCE * inverse

@@ -1,7 +1,7 @@
-"""heyoka: Taylor's method of an order that suits the tolerance, compiled for the equation of motion when it is set up.
+"""heyoka: Taylor's method with an order chosen for the tolerance, compiled for the equation of motion at set-up.
 
-Scalar, and in batches of as many runs as the processor's vectors hold numbers; the time of a batch is divided by their
-number.
+Scalar, and in batches of as many runs as the processor's vectors have elements; the time of a batch is divided by the
+number of its runs.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ Run = Callable[[], float]
 
 
 def equation() -> list[tuple[heyoka.expression, heyoka.expression]]:
-    """The hand-written equation of motion, its functions taken from heyoka, which makes it an expression."""
+    """The hand-written equation of motion as an expression of heyoka, by means of heyoka's functions."""
     functions = {name: getattr(heyoka, name) for name in ("cos", "sin", "sqrt")}
     acceleration = FunctionType(four_bar.acceleration.__code__, vars(four_bar) | functions)
     theta2, omega = heyoka.make_vars("theta2", "omega")
@@ -44,7 +44,7 @@ def scalar(tolerance: float) -> Run:
 
 
 def batch(tolerance: float, size: int) -> Run:
-    """As many runs at once, all from the same start; the angle that is furthest off."""
+    """`size` runs at once, all with the same initial state; returns the angle with the largest error."""
     start = np.tile(np.array(START)[:, None], (1, size))
     solver = heyoka.taylor_adaptive_batch(equation(), start.copy(), tol=tolerance)
 
@@ -59,7 +59,7 @@ def batch(tolerance: float, size: int) -> Run:
 
 
 def points() -> Iterator[Point]:
-    """Both curves. The set-up is the expression and its compilation."""
+    """Both curves. The set-up time is that of the expression and its compilation."""
     size = heyoka.recommended_simd_size()
     for exponent in range(2, 13):
         tolerance = 10.0**-exponent

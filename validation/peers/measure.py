@@ -1,4 +1,4 @@
-"""One point of a curve: the error, what it cost; and the clock."""
+"""One point of a curve: error, run time and set-up time; and the timer."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True)
 class Point:
-    """What one setting of one method gives. Times in s, errors in rad; evaluations of the right-hand side, if told."""
+    """Result of one setting of one method. Times in s, errors in rad; evaluations of the right-hand side, if known."""
 
     scene: str
     tool: str
@@ -26,15 +26,15 @@ class Point:
 
 
 class LeftOutError(Exception):
-    """A tool that this machine does not have, with the package that gives it."""
+    """A tool that is not installed, with the package that contains it."""
 
 
 SLICE = 1e-3
-"""Runs longer than this are timed by the processor's clock, as other programs may interrupt them [s]."""
+"""Runs longer than this are timed with the processor's clock, as other programs may interrupt them [s]."""
 
 
 def fastest(run: Callable[[], Value]) -> tuple[Value, float]:
-    """Result and time of the fastest of several runs [s]: at least three, for 60 ms; or for 1 s if one takes long."""
+    """Result and time of the fastest of at least three runs [s], repeated for 60 ms, or for 1 s if one takes long."""
     best, count, began = math.inf, 0, time.perf_counter()
     while True:
         start, used = time.perf_counter(), time.process_time()

@@ -1,4 +1,4 @@
-"""MuJoCo: a tree of hinges, its loops closed by the equality constraint `connect`."""
+"""MuJoCo: a tree of hinges, with the loops closed by the equality constraint `connect`."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ TOOL = "MuJoCo"
 
 
 def numbers(*values: float) -> str:
-    """As XML takes them, to the last bit."""
+    """Numbers as XML text that parses to the same bits."""
     return " ".join(map(repr, values))
 
 
 def definition(scene: Scene, integrator: str, h: float, solref: Vector) -> str:
-    """The scene as MJCF. Every body's frame has its origin at the joint that hangs it, and the plane's axes."""
+    """The scene as MJCF. Each body's frame has its origin at the joint to its parent and the axes of the plane."""
     root = ElementTree.Element("mujoco")
     solver = {"solver": "Newton", "tolerance": "1e-15", "iterations": "100", "jacobian": "dense"}
     gravity = numbers(*scene.gravity, 0.0)
@@ -57,9 +57,9 @@ def definition(scene: Scene, integrator: str, h: float, solref: Vector) -> str:
 
 
 def points(scene: Scene) -> Iterator[Point]:
-    """All curves: integrators at their best ratio of the constraint's time constant to the step, and the next ones.
+    """All curves: integrators with their best ratio of the constraint's time constant to the step and the next ratios.
 
-    Steps so large that the motion diverges are left out.
+    Steps for which the motion diverges are omitted.
     """
     mujoco.set_mju_user_warning(lambda _: None)
     curves = [("RK4", 1.0, 20_000), ("RK4", 2.0, 100_000), ("RK4", 4.0, 20_000)]
@@ -88,6 +88,6 @@ def points(scene: Scene) -> Iterator[Point]:
 
 
 def diverges(run: Callable[[], float], data: mujoco.MjData) -> bool:
-    """Whether MuJoCo has started the motion anew because it had grown beyond all bounds."""
+    """Whether MuJoCo has reset the simulation because the motion diverged."""
     run()
     return data.warning[mujoco.mjtWarning.mjWARN_BADQACC].number > 0

@@ -1,4 +1,4 @@
-"""Solvers in C (`native/*.c`): compiled against the system's libraries, run, and read."""
+"""Solvers in C (`native/*.c`): compiled with the system's libraries, executed, and their output parsed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from measure import LeftOutError, Point
 
 SOURCES = Path(__file__).resolve().parent / "native"
 FLAGS = ("-std=gnu11", "-O3")
-"""As the Rust solvers: optimised, for any processor of the kind, in exact arithmetic."""
+"""Flags as for the Rust solvers: optimised, for the generic processor, with IEEE arithmetic."""
 
 
 @dataclass(frozen=True)
 class Library:
-    """A library in C: a header that is there if it is installed, what to link, and Debian's package."""
+    """A library in C: a header that exists if it is installed, the libraries to link, and the Debian package."""
 
     tool: str
     program: str
@@ -49,7 +49,7 @@ def compiler() -> str:
 
 
 def missing(library: Library) -> str:
-    """What has to be installed first; nothing if the library is there."""
+    """The package to install first; empty if the library is installed."""
     try:
         found = subprocess.run(
             [compiler(), "-E", "-x", "c", "-"], input=f"#include <{library.header}>\n", capture_output=True, text=True
@@ -60,7 +60,7 @@ def missing(library: Library) -> str:
 
 
 def points(library: Library, work: Path, versions: list[str]) -> Iterator[Point]:
-    """All curves; the version that was linked goes into `versions`."""
+    """All curves; adds the version of the linked library to `versions`."""
     if reason := missing(library):
         raise LeftOutError(reason)
     program, table = work / library.program, work / f"{library.program}.csv"

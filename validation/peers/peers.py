@@ -1,9 +1,9 @@
-"""This project beside other tools: run time against error, measured in one call.
+"""This project compared with other tools: run time over error, measured in one call.
 
 usage: peers.py FMU RUST.csv --out DIR --work DIR
 
-RUST.csv holds what the Rust program of this folder has just measured. Ends with an error if a tool does not converge to
-the exact value, or if this project is not the fastest at one of the errors compared.
+RUST.csv contains the points that the Rust program of this folder has just measured. Ends with an error if a tool does
+not converge to the exact value, or if this project is not the fastest at one of the compared errors.
 """
 
 from __future__ import annotations
@@ -28,18 +28,18 @@ import scipy_peer
 from measure import LeftOutError, Point
 
 MISMODELLED = 1e-3
-"""A method whose least error is larger computes something else [rad]."""
+"""Least error of a method above which it solves another problem [rad]."""
 
 
 def heyoka_points() -> Iterator[Point]:
-    """heyoka's curves, where there is a package of it."""
+    """The curves of heyoka, where it is installed."""
     if importlib.util.find_spec("heyoka") is None:
         raise LeftOutError("not installed (PyPI: pip install heyoka; conda-forge on other platforms)")
     yield from importlib.import_module("heyoka_peer").points()
 
 
 def main() -> None:
-    """Measure, write, judge."""
+    """Measure all tools, write the report, and check the results."""
     parser = argparse.ArgumentParser(description="Measure this project beside other tools.")
     parser.add_argument("fmu", type=Path, help="LandingGearRetraction.fmu")
     parser.add_argument("rust", type=Path, help="what the Rust solvers gave")

@@ -1,4 +1,4 @@
-"""The measured points in Markdown: the machine, the tools, times at equal errors."""
+"""The measured points as Markdown: machine, tools, run times at equal errors."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ NOTES = """\
 
 
 def machine() -> str:
-    """Processor, cores and system."""
+    """Processor, cores and operating system."""
     processor = platform.processor() or platform.machine()
     info = Path("/proc/cpuinfo")
     if info.is_file():
@@ -74,7 +74,7 @@ def machine() -> str:
 
 
 def versions(libraries: list[str]) -> str:
-    """Everything that was measured, `libraries` in C among it, and what built it."""
+    """Versions of all that was measured, including the C `libraries`, and of the compilers."""
     locked = tomllib.loads((HERE / "Cargo.lock").read_text(encoding="utf-8"))["package"]
     crates = [f"{package['name']} {package['version']}" for package in locked if package["name"] in CRATES]
     there = {distribution.name for distribution in importlib.metadata.distributions()}
@@ -84,18 +84,18 @@ def versions(libraries: list[str]) -> str:
 
 
 def duration(seconds: float) -> str:
-    """With the unit that suits it, three digits."""
+    """A duration with three digits in a suitable unit."""
     unit, size = next((u for u in (("s", 1.0), ("ms", 1e-3), ("us", 1e-6)) if seconds >= u[1]), ("us", 1e-6))
     return f"{seconds / size:.3g} {unit}"
 
 
 def level_name(error: float) -> str:
-    """A power of ten as people write it."""
+    """A power of ten in the form 1e-6."""
     return f"1e{round(math.log10(error))}"
 
 
 def times(ratio: float) -> str:
-    """How many times, with three digits and no exponent."""
+    """A ratio with three digits and no exponent."""
     return f"{float(f'{ratio:.3g}'):.10g} x"
 
 
@@ -110,7 +110,7 @@ def table(head: list[str], rows: list[list[str]]) -> list[str]:
 
 
 def by_tool(found: list[Curve]) -> list[str]:
-    """Fastest time of each tool at each error, by whichever of its methods, and how many times this project's."""
+    """Run time of each tool's fastest method at each error, and its ratio to this project's run time."""
     mine = own(found)
     bold = [f"**{duration(p.run)}**" if (p := mine.best(e)) else "not reached" for e in LEVELS]
     rows = [[f"**{TOOL}, {METHOD}**", *bold]]
@@ -128,7 +128,7 @@ def by_tool(found: list[Curve]) -> list[str]:
 
 
 def by_method(found: list[Curve]) -> list[str]:
-    """The same for every method and every decade of the error, with its least error and its set-up."""
+    """Run time of each method at each decade of the error, with its least error and its set-up time."""
     rows = []
     for curve in found:
         cells = [duration(p.run) if (p := curve.best(e)) else "-" for e in DECADES]
@@ -137,17 +137,17 @@ def by_method(found: list[Curve]) -> list[str]:
 
 
 def counted(point: Point | None) -> str:
-    """Evaluations of the closed form and time."""
+    """Evaluations of the closed form, and run time."""
     return f"{point.evaluations}, {duration(point.run)}" if point else "-"
 
 
 def fewest(point: Point) -> int:
-    """Evaluations of the closed form."""
+    """Evaluations of the closed form, as a sort key."""
     return point.evaluations or 0
 
 
 def limit(gear: list[Curve], quadratures: list[Curve]) -> list[str]:
-    """The energy quadrature beside this project: evaluations and time at each decade of the error."""
+    """The energy quadrature compared with this project: evaluations and run time at each decade of the error."""
     rows = []
     for error in DECADES:
         ours = own(gear).best(error)
@@ -160,7 +160,7 @@ def limit(gear: list[Curve], quadratures: list[Curve]) -> list[str]:
 
 
 def first_reaction(found: list[Curve]) -> list[str]:
-    """The run, and what joint forces cost when first read and later, at each tolerance."""
+    """Run time, and time of the first and of later readings of joint forces, at each tolerance."""
     settings = [point.setting for point in found[0].points]
     rows = [
         [setting, *(duration(curve.points[number].run) for curve in found), duration(found[0].points[number].setup)]
@@ -170,7 +170,7 @@ def first_reaction(found: list[Curve]) -> list[str]:
 
 
 def break_even(found: list[Curve]) -> list[str]:
-    """Runs after which the tables have paid for themselves, against the fastest method of each tool with its set-up."""
+    """Number of runs after which the set-up of the tables is recovered, against the fastest method of each tool."""
     mine, rows = own(found), []
     for level in LEVELS:
         ours = mine.best(level)
@@ -185,7 +185,8 @@ def break_even(found: list[Curve]) -> list[str]:
 
 
 def page(points: list[Point], libraries: list[str], left_out: list[str]) -> str:
-    """The whole report. `libraries`: versions of those in C; `left_out`: a line for each tool that is missing."""
+    """The whole report. `libraries`: versions of the C libraries; `left_out`: a line for each tool that is not
+    installed."""
     gear, squeezer = curves(points, "S1"), curves(points, "Andrews")
     return "\n".join(
         [

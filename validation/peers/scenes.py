@@ -1,7 +1,7 @@
-"""The two mechanisms as plane bodies, joints and forces: what the models of EXUDYN and MuJoCo are made from.
+"""The two mechanisms as plane bodies, joints and forces, from which the models of EXUDYN and MuJoCo are built.
 
-Points are given where they are at the start, in the plane's frame; angles count from the start. The first body is the
-one whose angle is asked for.
+Points have their positions at the start, in the plane's frame; angles are relative to the start. The compared angle is
+that of the first body.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from math import atan2, cos, hypot, pi, sin, sqrt
 Vector = tuple[float, float]
 
 GROUND = -1
-"""Number of the body that does not move."""
+"""Number of the fixed body."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Strut:
-    """Two points of two bodies that push each other apart [N], or pull as a spring does [N/m, m]."""
+    """A force between two points of two bodies: constant and repulsive [N], or a spring [N/m, m]."""
 
     first: int
     from_: Vector
@@ -48,7 +48,7 @@ class Strut:
 
 @dataclass(frozen=True)
 class Scene:
-    """A mechanism at rest, what acts on it, and the exact angle of body 0 after a time."""
+    """A mechanism at rest, the loads on it, and the exact angle of body 0 after a time."""
 
     name: str
     span: float
@@ -61,11 +61,11 @@ class Scene:
     joints: list[Joint]
     struts: list[Strut]
     gravity: Vector = (0.0, 0.0)
-    """Acceleration [m/s2]."""
+    """Acceleration of gravity [m/s2]."""
     torque: float = 0.0
-    """On body 0 [N m]."""
+    """Torque on body 0 [N m]."""
     tree: list[Joint] = field(init=False)
-    """Joints that hang each body, in the order of the list, on one before it or on the ground."""
+    """The joint of each body, in the order of the list, with an earlier body or the ground."""
     loops: list[Joint] = field(init=False)
     """The other joints."""
 
@@ -98,13 +98,13 @@ def polar(length: float, angle: float) -> Vector:
 
 
 def place(origin: Vector, angle: float, local: Vector) -> Vector:
-    """A point of a body's frame."""
+    """Position of a point of a body's frame."""
     c, s = cos(angle), sin(angle)
     return (origin[0] + c * local[0] - s * local[1], origin[1] + s * local[0] + c * local[1])
 
 
 def middle(a: Vector, b: Vector) -> Vector:
-    """Half-way point."""
+    """The middle of two points."""
     return ((a[0] + b[0]) / 2, (a[1] + b[1]) / 2)
 
 

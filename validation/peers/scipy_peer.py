@@ -1,4 +1,4 @@
-"""SciPy: its Python integrators (`solve_ivp`) and its compiled ones (`ode`, `odeint`) on the closed form."""
+"""SciPy: its Python integrators (`solve_ivp`) and its compiled ones (`ode`, `odeint`) with the closed form."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ from numpy.typing import NDArray
 TOOL = "SciPy"
 Rate = Callable[[float, NDArray[np.float64]], object]
 Outcome = tuple[float, int]
-"""theta2 at the end, and evaluations of the right-hand side."""
+"""Value of theta2 at the end, and evaluations of the right-hand side."""
 
 
 def plain(_t: float, y: NDArray[np.float64]) -> tuple[float, float]:
-    """The rate of theta2 and omega, in plain Python."""
+    """The rates of theta2 and omega, in plain Python."""
     theta2, omega = y.tolist()
     return omega, four_bar.acceleration(theta2, omega)
 
 
 def compiled() -> tuple[Rate, float]:
-    """The same by numba, and the time to compile it [s]."""
+    """The rates compiled by numba, and the compilation time [s]."""
     began = time.perf_counter()
     acceleration = numba.njit(four_bar.acceleration)
 
@@ -71,10 +71,10 @@ def by_ode(method: str) -> Callable[[Rate, float, float], Outcome]:
 
 def by_odeint(rate: Rate, rtol: float, atol: float) -> Outcome:
     """Compiled LSODA, without the Python layer of `solve_ivp`."""
-    states, told = scipy.integrate.odeint(
+    states, info = scipy.integrate.odeint(
         rate, START, (0.0, SPAN), rtol=rtol, atol=atol, tfirst=True, full_output=True, mxstep=100_000, tcrit=(SPAN,)
     )
-    return float(states[-1, 0]), int(told["nfe"][-1])
+    return float(states[-1, 0]), int(info["nfe"][-1])
 
 
 Solve = Callable[[Rate, float, float], Outcome]
@@ -88,7 +88,8 @@ METHODS: list[tuple[str, Solve, int, bool]] = [
     ("ode dop853 + numba", by_ode("dop853"), 26, True),
     ("odeint + numba", by_odeint, 24, True),
 ]
-"""Each with twice the negative exponent of the tightest tolerance, and whether numba compiles the right-hand side."""
+"""Methods, each with twice the negative exponent of the tightest tolerance, and whether numba compiles the right-hand
+side."""
 
 
 def points() -> Iterator[Point]:

@@ -1,5 +1,6 @@
-/* The one function of Windows 10's bcryptprimitives.dll that Rust's standard library calls, for a Wine that lacks this library
-   (before 8.18): random bytes for hash tables. It is laid beside the host and is no part of an FMU. */
+/* The only function of Windows 10's bcryptprimitives.dll that Rust's standard library calls, random bytes for hash
+   tables, for Wine before 8.18, which lacks this library. It is put into the folder of the host and is not part of an
+   FMU. */
 #include <windows.h>
 #include <ntsecapi.h>
 

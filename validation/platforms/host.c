@@ -3,9 +3,9 @@
  * host LIBRARY GUID RESOURCES STEP COUNT REFERENCE...
  *
  * RESOURCES is the resource location as a host passes it, `-` for NULL. Prints a line for each communication point with the
- * outputs of these value references as 16 hexadecimal digits each. The second half of the run is made a second time, from a
- * state saved in the middle and restored in another instance: other bits are an error, as is a refused call that should not
- * be, or an accepted one that should.
+ * outputs of these value references as 16 hexadecimal digits each. The second half of the run is repeated from a state saved
+ * in the middle and restored in another instance. Errors: the outputs of both are not bit-identical, a legal call returns an
+ * error, or an illegal call returns fmi2OK.
  */
 #include <inttypes.h>
 #include <math.h>
@@ -31,7 +31,7 @@ typedef struct {
 
 enum { FMI_OK = 0, FMI_WARNING = 1, FMI_ERROR = 3 };
 
-/* Whether a refusal is expected, so that its message is not shown. */
+/* Whether an error is expected, so that its message is not printed. */
 static int quiet;
 
 static const char *(*get_version)(void);

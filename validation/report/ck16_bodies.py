@@ -22,46 +22,46 @@ from .hf08_loads import AXIS
 from .page import Claim, Figure, Section, bound
 
 POINTS = 85
-"""Angles over the travel of the gear."""
+"""Number of angles over the travel of the gear."""
 COAST_STEP = 5e-3
-"""Between the angles of the crank of the four-bar linkage [s]."""
+"""Time between the sampled angles of the crank of the four-bar linkage [s]."""
 STYLES = (("-", BLUE), ("--", ORANGE), ("-.", GREEN))
 FAR = 1e3
-"""A ratio beyond this is not drawn: it is infinite where a body does not turn."""
+"""Larger ratios are not drawn: the ratio is infinite where a body does not rotate."""
 PARTS = {
     False: ("reduced_mass", "static_load", "ratio", "effective_radius"),
     True: ("reduced_inertia", "static_load", "effective_radius", "ratio"),
 }
-"""Suffixes of reduced mass, static load, the one with the speed of the centre of mass, the one with the angular speed;
-by whether the drive is rotary."""
+"""Suffixes of reduced mass, static load, ratio with the speed of the centre of mass, ratio with the angular speed; by
+whether the drive is rotary."""
 
 
 @dataclass(frozen=True)
 class Bodies:
-    """Quantities of the bodies, body by body, over the positions: by the FMU, and in closed form."""
+    """Quantities of each body over the positions: by the FMU, and in closed form."""
 
     names: tuple[str, ...]
     ours: Array
-    """Of each body: the four PARTS."""
+    """The four PARTS of each body."""
     closed: Array
     whole: Array
     """Reduced mass and static load of the mechanism."""
 
     @property
     def superposition(self) -> float:
-        """Largest difference of the sums over the bodies from the whole, as a part of the largest part."""
+        """Largest difference between the sums over bodies and the mechanism's values, relative to the largest part."""
         parts = self.ours[:, :2]
         return float((np.abs(parts.sum(axis=0) - self.whole).max(axis=1) / np.abs(parts).max(axis=(0, 2))).max())
 
     @property
     def error(self) -> float:
-        """Largest distance from the closed form, as a part of its largest value; of ratios that of the inverse."""
+        """Largest difference from the closed form relative to its largest value; of ratios, that of the inverse."""
         ours, closed = (np.concatenate([rows[:, :2], 1.0 / rows[:, 2:]], axis=1) for rows in (self.ours, self.closed))
         return float((np.abs(ours - closed).max(axis=2) / np.abs(closed).max(axis=2)).max())
 
 
 def measured(fmu: Fmu, drive: str, names: tuple[str, ...], places: Iterator[None]) -> tuple[Array, Array, Array]:
-    """Quantities of bodies and mechanism, angle and speed of the crank, at places to which the FMU is brought."""
+    """Quantities of bodies and mechanism, angle and speed of the crank, at the positions of the FMU's run."""
     parts = PARTS[fmu.has(f"{drive}.reduced_inertia")]
     rows, sums, motion = [], [], []
     for _ in places:
@@ -72,13 +72,13 @@ def measured(fmu: Fmu, drive: str, names: tuple[str, ...], places: Iterator[None
 
 
 def at_rest(fmu: Fmu, angles: Array, values: dict[str, Value]) -> Iterator[None]:
-    """The crank at rest at these angles."""
+    """Positions with the crank at rest at these angles."""
     for angle in angles.tolist():
         yield fmu.start({**values, "crank.start_angle": angle}) and None
 
 
 def coasting(fmu: Fmu) -> Iterator[None]:
-    """A turn of the crank from the start speed, without torque; the weights act only while the FMU is read."""
+    """A turn of the crank from the start speed, without torque; weights act only while outputs are read."""
     fmu.start({"drive.torque": 0.0, "load_factor": 0.0})
     start = fmu.value("crank.angle")
     while fmu.value("crank.angle") < start + 2.0 * np.pi:
@@ -89,7 +89,8 @@ def coasting(fmu: Fmu) -> Iterator[None]:
 
 
 def closed_form(linkage: FourBar, angles: Array, slope: Array, gravity: complex, is_rotary: bool) -> Array:
-    """The same in closed form; `slope`: derivative of the drive's displacement along the crank's angle."""
+    """The same quantities in closed form; `slope`: derivative of the drive's displacement with respect to the crank
+    angle."""
     found = []
     for mass, center, angle in linkage.centers(angles):
         inertia = mass.mass * np.abs(center[1]) ** 2 + mass.inertia * angle[1] ** 2
@@ -100,13 +101,13 @@ def closed_form(linkage: FourBar, angles: Array, slope: Array, gravity: complex,
 
 
 def gravity(fmu: Fmu, factor: float) -> complex:
-    """Acceleration by gravity in the mechanism frame [m/s²]."""
+    """Acceleration of gravity in the mechanism frame [m/s²]."""
     acceleration, up = fmu.read("gravity.acceleration", "gravity.up_angle")
     return -factor * acceleration * complex(np.exp(1j * up))
 
 
 def gear_bodies(gear: Fmu, extension: Fmu, angles: Array) -> Bodies:
-    """The gear, with the weights alone at the load factor of the retraction."""
+    """Quantities of the gear, with the weights alone at the load factor of the retraction."""
     names, factor = ("crank", "coupler", "follower"), gear.default("load_factor")
     start = {**FREE, "load_factor": factor, "airspeed": 0.0, "friction.enabled": False}
     ours, whole, _ = measured(extension, "actuator", names, at_rest(extension, angles, start))
@@ -118,7 +119,7 @@ def gear_bodies(gear: Fmu, extension: Fmu, angles: Array) -> Bodies:
 
 
 def family_bodies(fmu: Fmu) -> tuple[Array, Bodies]:
-    """The four-bar linkage over a turn of its crank: ascending angles from 0 to 2 pi, and the bodies there."""
+    """The four-bar linkage over a turn of its crank: ascending angles from 0 to 2 pi, and quantities of its bodies."""
     names = ("crank", "coupler", "rocker")
     size, density, ratio = (fmu.default(name) for name in ("size", "line_density", "load_ratio"))
     lengths = (size, size / 3.0, 7.0 / 6.0 * size, 5.0 / 6.0 * size)
@@ -135,7 +136,7 @@ def family_bodies(fmu: Fmu) -> tuple[Array, Bodies]:
 
 
 def broken(values: Array) -> Array:
-    """Values with a gap where they become infinite: there they change their sign, both sides being large."""
+    """Values with a gap at each pole, where they change their sign between large values."""
     steps = np.abs(np.diff(values)) > np.median(np.abs(values))
     jumps = np.flatnonzero((values[1:] * values[:-1] < 0.0) & steps)
     kept = np.where(np.abs(values) < FAR, values, np.nan)
@@ -154,7 +155,7 @@ def plot(axes: Axes, places: Array, bodies: Bodies, part: int, chosen: slice = s
 
 
 def finish(canvas: Canvas, panels: list[Axes], across: str, places: Array) -> None:
-    """Labels and one legend above all panels."""
+    """Labels, and one legend above all panels."""
     panels[-1].set(xlabel=across, xlim=(places[0], places[-1]))
     handles, labels = panels[0].get_legend_handles_labels()
     canvas.legend(handles, labels, loc="outside upper center", ncols=5, handlelength=3.2)
@@ -198,7 +199,7 @@ def superposition(bodies: Bodies, rotation: Array, factor: float) -> Figure:
 def ratios(
     name: str, title: str, caption: str, across: str, places: Array, bodies: Bodies, labels: list[str]
 ) -> Figure:
-    """The two ratios of each body; those that become infinite are drawn up to six times the median."""
+    """The two ratios of each body, drawn up to six times the median."""
 
     def draw(canvas: Canvas) -> None:
         panels = list(canvas.subplots(2, 1, sharex=True))

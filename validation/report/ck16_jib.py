@@ -17,12 +17,12 @@ SPEED = 0.5
 ACCELERATION = 0.5
 """a_S [m/s2]."""
 X = np.linspace(2.2, 3.2, 101)
-"""The paper's range [m]."""
+"""Range of the paper [m]."""
 SCALE = Scale(X, "length x of the cylinder [m]", [2.2, 2.4, 2.6, 2.8, 3.0, 3.2])
 
 
 def measure(fmu: Fmu, e: float, b: float) -> dict[str, Array]:
-    """What the FMU says at every length; each acceleration from a motion that has it."""
+    """Outputs of the FMU at each length; each acceleration from a motion in which it occurs."""
     rows = []
     for x in X.tolist():
         angle = math.asin((x * x - e * e - b * b) / (2.0 * e * b))
@@ -30,10 +30,10 @@ def measure(fmu: Fmu, e: float, b: float) -> dict[str, Array]:
         across = -math.sin(angle), math.cos(angle)
 
         def along(kind: str, across: tuple[float, float] = across) -> float:
-            """Part across the jib of the velocity or acceleration of its end."""
+            """Component, across the jib, of the velocity or acceleration of its end."""
             return float(np.dot(across, fmu.read(f"tip.{kind}_x", f"tip.{kind}_y")))
 
-        # The jib's speed at which the cylinder has v_S: they are in proportion.
+        # The jib's speed at which the cylinder has the speed v_S: the two are proportional.
         fmu.start({**start, "jib.start_speed": 1.0})
         moving = {"jib.start_speed": SPEED / fmu.value("cylinder.speed")}
         row = accelerations(fmu, start, "cylinder.force", moving, ACCELERATION, partial(along, "acceleration"))

@@ -1,7 +1,7 @@
 """[CK16] figures 6 to 9: the slider-crank of figure 5 reduced to its crank.
 
-alpha is counted from the inner dead centre, as eq. (18) has it; the FMU's crank angle is alpha - 90 deg. In the paper
-the piston alone has mass; the FMU's crank has a constant inertia besides, which is taken off where it would show.
+alpha is measured from the inner dead centre, as in eq. (18); the FMU's crank angle is alpha - 90 deg. In the paper only
+the piston has mass; the FMU's crank has an additional constant inertia, which is subtracted where it matters.
 """
 
 from __future__ import annotations
@@ -25,21 +25,21 @@ SCALE = Scale(np.degrees(ALPHA), "crank angle α from the inner dead centre [deg
 
 
 def radius(r: float, ratio: float) -> Array:
-    """R_z by eq. (18) with this ratio before sin^2 under the root; nan where the root is imaginary."""
+    """R_z by eq. (18) with this ratio before sin^2 under the root; NaN where the root is imaginary."""
     under = ratio - np.sin(ALPHA) ** 2
     root = np.sqrt(np.where(under > 0.0, under, np.nan))
     return r * (np.sin(ALPHA) - 0.5 * np.sin(2.0 * ALPHA) / root)
 
 
 def radius_derivative(r: float, ratio: float, factor: float) -> Array:
-    """dR_z/dalpha by eq. (19); the factor is 1, in print 1/2."""
+    """dR_z/dalpha by eq. (19), with the factor 1 instead of the printed 1/2."""
     under = ratio - np.sin(ALPHA) ** 2
     top = 2.0 * np.cos(2.0 * ALPHA) * under + 0.5 * np.sin(2.0 * ALPHA) ** 2
     return r * (np.cos(ALPHA) - factor * top / (2.0 * under**1.5))
 
 
 def measure(fmu: Fmu) -> dict[str, Array]:
-    """What the FMU says at every angle; each acceleration from a motion that has it."""
+    """Outputs of the FMU at each angle; each acceleration from a motion in which it occurs."""
     rows = []
     for alpha in ALPHA.tolist():
         start = {"crank.start_angle": alpha - 0.5 * math.pi}
@@ -96,7 +96,7 @@ def section(fmu: Fmu) -> Section:
     half_off = float(np.abs(radii[1].ours - radii[1].printed).max() / np.abs(radii[1].closed).max())
 
     def at(curve: Curve) -> str:
-        # Over a turn extremes come in pairs that differ by rounding: the later one is told.
+        # Over a turn extremes occur in pairs that differ by rounding: the later one is reported.
         sizes = np.abs(curve.ours)
         place = int(np.flatnonzero(sizes >= (1.0 - 1e-9) * sizes.max())[-1])
         return f"{curve.ours[place]:.3f} at {SCALE.places[place]:.0f} deg"

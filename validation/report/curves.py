@@ -1,4 +1,4 @@
-"""Curves of an FMU with the closed forms as thin lines over them: what the figures of [CK16] have in common."""
+"""Curves of an FMU with the closed forms as thin lines over them, as in the figures of [CK16]."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ from .page import Figure
 
 STYLES = (("-", BLUE), ("--", ORANGE), ("-.", GREEN), ("-", RED))
 WIDE = 3.2
-"""Of the FMU's lines, so that the closed form is seen within them."""
+"""Line width of the FMU's curves, so that the closed form is visible within them."""
 CLOSED = "closed form"
 
 
 @dataclass(frozen=True)
 class Curve:
-    """A quantity by the FMU and by its closed form, over the same places."""
+    """A quantity by the FMU and in closed form, at the same positions."""
 
     label: str
     ours: Array
@@ -33,7 +33,7 @@ class Curve:
 
     @property
     def error(self) -> float:
-        """Largest distance from the closed form, as a part of its largest value."""
+        """Largest difference from the closed form relative to its largest value."""
         return float(np.abs(self.ours - self.closed).max() / np.abs(self.closed).max())
 
 
@@ -46,7 +46,7 @@ class Scale:
     ticks: list[float]
 
     def finish(self, axes: Axes, label: str) -> None:
-        """Labels and ticks."""
+        """Set labels and ticks."""
         if axes.get_ylim()[0] < 0.0:
             axes.axhline(0.0, color="0.4", linewidth=0.8)
         axes.set(xlabel=self.label, ylabel=label, xlim=(self.places[0], self.places[-1]))
@@ -56,20 +56,21 @@ class Scale:
 def accelerations(
     fmu: Fmu, start: dict[str, Value], drive: str, moving: dict[str, Value], demand: float, output: Callable[[], float]
 ) -> dict[str, float]:
-    """Three accelerations of `output` from motions that have them, and the required force; the FMU is left in the last.
+    """Three accelerations of `output`, each from a motion in which it occurs, and the required force.
 
-    `moving` starts it at the drive's constant speed, `demand` is the drive's acceleration; the drive's input is driven.
+    `moving`: start values for the drive's constant speed; `demand`: the drive's acceleration, set by its input. The FMU
+    stays in the last motion.
     """
     name, demanded, required = drive.split(".")[0], "demanded_acceleration", "required_force"
-    # a_C0: from rest, under the force that gives the acceleration there.
+    # a_C0: from rest, with the force for the required acceleration at rest.
     fmu.start({**start, **dict.fromkeys(moving, 0.0), f"{name}.{demanded}": demand})
     fmu.set({drive: fmu.value(f"{name}.{required}")})
     row = {"own": output()}
-    # Delta a_C: in motion, under the force that keeps the speed.
+    # Delta a_C: in motion, with the force that keeps the speed constant.
     fmu.start({**start, **moving})
     fmu.set({drive: fmu.value(f"{name}.{required}")})
     row["additional"] = output()
-    # a_C: in motion, under the force that gives the acceleration.
+    # a_C: in motion, with the force for the required acceleration.
     fmu.set({f"{name}.{demanded}": demand})
     row["required"] = fmu.value(f"{name}.{required}")
     fmu.set({drive: row["required"]})
@@ -96,7 +97,7 @@ def errors(run: dict[str, Array], curves: list[Curve], parts: Array, demand: flo
 
 
 def pair(name: str, title: str, caption: str, scale: Scale, curves: list[Curve]) -> Figure:
-    """A figure of [CK16] with curves of different units below each other."""
+    """A figure of [CK16] with curves of different units in panels one below another."""
     return Figure(f"ck16_{name}", f"[CK16] figure {title}", caption, panels(scale, *curves), (6.4, 5.2))
 
 
@@ -106,7 +107,7 @@ def sums(name: str, title: str, caption: str, scale: Scale, label: str, curves: 
 
 
 def panels(scale: Scale, *curves: Curve) -> Callable[[Canvas], None]:
-    """Draws curves of different units below each other."""
+    """Draws curves of different units in panels one below another."""
 
     def draw(canvas: Canvas) -> None:
         rows = canvas.subplots(len(curves), 1, sharex=True)

@@ -1,4 +1,4 @@
-"""The attachments of the actuator that need the least peak force: what the search found, against the gear as built."""
+"""The attachments of the actuator with the least peak force, found by the search, compared with the gear as built."""
 
 from __future__ import annotations
 
@@ -18,26 +18,26 @@ from .hf08_loads import AXIS
 from .page import Claim, Figure, Section
 
 OPTIMUM = Path(__file__).parents[1] / "results" / "least_force_optimum.json"
-"""What `cargo fmu optimise docs/studies/least_force.json` writes as `optimum.json`."""
+"""The file `optimum.json` that `cargo fmu optimise docs/studies/least_force.json` writes."""
 MOVING = {"crank": BLUE, "coupler": ORANGE, "follower": GREEN}
-"""Bodies of the linkage that move, and their colours; leg and wheel are fixed to the crank."""
+"""Moving bodies of the linkage and their colours; leg and wheel are fixed to the crank."""
 FAINT = 0.3
 """Opacity of the gear when it is up."""
 
 
 @dataclass(frozen=True)
 class Gear:
-    """Places in the mechanism frame [m], each (x, y), with the gear in one position."""
+    """Points of the gear in one position, in the mechanism frame, each (x, y) [m]."""
 
     ends: dict[str, tuple[Array, Array]]
-    """Origin and end of each body that moves."""
+    """Origin and end of each moving body."""
     attachments: dict[str, Array]
-    """Where the actuator is attached, by the body."""
+    """The actuator's attachment on each body."""
     wheel: Array
 
 
 def placed(fmu: Fmu, angle: float, parameters: dict[str, Value]) -> Gear:
-    """The gear at an angle of the crank [rad], under these parameters, as the FMU tells it."""
+    """The gear at an angle of the crank [rad] with these parameters, from the FMU's outputs."""
     fmu.start({**FREE, "crank.start_angle": angle, **parameters})
     ends, attachments = {}, {}
     for body in MOVING:
@@ -51,7 +51,8 @@ def placed(fmu: Fmu, angle: float, parameters: dict[str, Value]) -> Gear:
 
 
 def draw_gear(axes: Axes, gear: Gear, opacity: float) -> None:
-    """One position of the gear: bodies as lines, with a triangle to the attachment, joints, actuator, leg and wheel."""
+    """Draw one position of the gear: bodies as lines, with a triangle to the attachment, joints, actuator, leg and
+    wheel."""
     for body, (origin, end) in gear.ends.items():
         color, corners = MOVING[body], [origin, end]
         if body in gear.attachments:
@@ -70,7 +71,7 @@ def draw_gear(axes: Axes, gear: Gear, opacity: float) -> None:
 
 
 def attachments(fmu: Fmu, travel: Travel, found: dict[str, Value]) -> tuple[Figure, dict[str, float]]:
-    """The gear with the attachments as built and with those found, down and up."""
+    """The gear with the attachments as built and as found, down and up."""
     designs: list[tuple[str, dict[str, Value]]] = [("as built", {}), ("found", found)]
     gears = [(name, [placed(fmu, angle, own) for angle in (travel.up, travel.down)]) for name, own in designs]
 
@@ -100,9 +101,9 @@ def attachments(fmu: Fmu, travel: Travel, found: dict[str, Value]) -> tuple[Figu
 
 
 def section(fmu: Fmu, travel: Travel) -> Section:
-    """Figures, claim, numbers."""
-    told = json.loads(OPTIMUM.read_text(encoding="utf-8"))["best"]["factors"]
-    parameters: dict[str, Value] = {name: float(value) for name, value in told.items()}
+    """Figures, claim and numbers of this section."""
+    factors = json.loads(OPTIMUM.read_text(encoding="utf-8"))["best"]["factors"]
+    parameters: dict[str, Value] = {name: float(value) for name, value in factors.items()}
     rotation, before = least_force(fmu, travel)
     rotation_found, after = least_force(fmu, travel, parameters)
     peak, least = before["forward"].max(), after["forward"].max()

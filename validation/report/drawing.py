@@ -1,4 +1,4 @@
-"""One style for all figures, and files that are the same on every run."""
+"""The common style of all figures; the files are identical on every run."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .gear import Array
 from .page import Figure
 
 BLUE, ORANGE, GREEN, RED = "#0b5394", "#d9730d", "#2e7d32", "#a61c3c"
-"""Colours of curves, told apart in grey too by the style of the line."""
+"""Colours of curves; line styles distinguish them in greyscale too."""
 CLOSED_FORM = {"color": "black", "linewidth": 0.7, "zorder": 3}
-"""A closed form: a thin line over the FMU's curve."""
+"""Style of a closed form: a thin line over the FMU's curve."""
 FAINT = {"color": "0.55", "linewidth": 1.0}
-"""What is there for comparison only."""
+"""Style of what is shown for comparison only."""
 
 STYLE = {
     "font.family": "DejaVu Sans",
@@ -42,19 +42,19 @@ STYLE = {
     "figure.constrained_layout.h_pad": 0.06,
 }
 RESOLUTION = 120
-"""Of the PNG files [dots per inch]."""
+"""Resolution of the PNG files [dots per inch]."""
 COLOURS = 64
-"""Of the PNG files: lines and their soft edges need no more."""
+"""Number of colours of the PNG files: lines with antialiased edges need no more."""
 
 
 Line = tuple[Array, Array, str, str, str]
-"""Places, values, style, colour and label of a curve."""
+"""Positions, values, style, colour and label of a curve."""
 
 
 def lines(
     across: str, up: str, curves: list[Line], zero: bool = False, legend: str = "best"
 ) -> Callable[[Canvas], None]:
-    """Draws curves in one panel, with the line of 0 if asked, and a legend if there are several."""
+    """Draws curves in one panel, with a line at 0 if `zero`, and a legend if there are several."""
 
     def draw(canvas: Canvas) -> None:
         axes = canvas.subplots()
@@ -70,7 +70,7 @@ def lines(
 
 
 def drawn(figure: Figure) -> tuple[bytes, str]:
-    """One figure as a PNG and as an SVG."""
+    """One figure as the bytes of a PNG and of an SVG file."""
     with mpl.rc_context(STYLE):
         canvas = Canvas(figsize=figure.size)
         figure.draw(canvas)
@@ -90,7 +90,7 @@ def write(figure: Figure, folder: Path) -> None:
 
 
 def shortened(drawing: str) -> str:
-    """An SVG without blanks at the ends of lines, and with coordinates of lines to a hundredth of a point."""
+    """An SVG without trailing blanks, with coordinates of lines rounded to a hundredth of a point."""
 
     def line(text: str) -> str:
         text = text.rstrip()

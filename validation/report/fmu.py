@@ -1,4 +1,4 @@
-"""An FMU as FMPy sees it: start in a state, read outputs, step. It must not know what the mechanism is."""
+"""An FMU through FMPy: start in a state, read outputs, step. Must not depend on the mechanism."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ Value = float | bool | str
 
 
 class Fmu:
-    """One instance of an FMU; variables go by their names."""
+    """One instance of an FMU; variables are accessed by name."""
 
     def __init__(self, path: Path) -> None:
         self.folder = extract(str(path))
@@ -57,7 +57,7 @@ class Fmu:
                     self.slave.setReal(reference, [float(value)])
 
     def start(self, values: dict[str, Value]) -> Self:
-        """A fresh start at t = 0: all defaults but these values."""
+        """Reset to t = 0 with all defaults except these values."""
         self.slave.reset()
         self.set(values)
         self.slave.setupExperiment(startTime=0.0)
@@ -67,7 +67,7 @@ class Fmu:
         return self
 
     def read(self, *names: str) -> list[float]:
-        """Present values of Reals."""
+        """Present values of several Reals."""
         return self.slave.getReal([self.variables[name].valueReference for name in names])
 
     def value(self, name: str) -> float:
@@ -75,6 +75,6 @@ class Fmu:
         return self.read(name)[0]
 
     def step(self, size: float) -> None:
-        """One communication step [s]."""
+        """Make one communication step [s]."""
         self.slave.doStep(self.time, size)
         self.time += size

@@ -1,7 +1,7 @@
 """A four-bar linkage A-B-C-D in closed form, with the coupler above the diagonal B-D, over the crank's angle.
 
 Points are complex numbers in the mechanism frame: A is 0, D lies on the X axis. A function is an array [value, first,
-second derivative] along the crank's angle. The module must not know any FMU's results.
+second derivative] with respect to the crank angle. The module must not depend on results of an FMU.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """The landing gear: its travel, and its retraction or extension under a constant force.
 
-Angles of rotation are those of [HF08]: 0 deg with the gear extended, growing as it retracts.
+Angles of rotation are those of [HF08]: 0 deg with the gear extended, increasing in retraction.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from .fmu import Fmu, Value
 Array = NDArray[np.float64]
 
 METHOD = "solver.method"
-"""Enumeration of FMUs that know more than one method of solution."""
+"""Enumeration of FMUs with more than one formulation."""
 RIGID_FEM = "rigid_fem"
-"""Its value for the finite elements with rigid links of [HF08] section 3."""
+"""Its item for the finite elements with rigid links of [HF08] section 3."""
 AIRSPEED = 70.0
-"""[HF08] section 2 [m/s]."""
+"""Airspeed of [HF08] section 2 [m/s]."""
 STEP = 0.25e-3
-"""Communication step [s]; the instant in which the gear is up is interpolated within one of them."""
+"""Communication step [s]; the time at which the gear is up is interpolated within a step."""
 LONGEST = 0.5
-"""A motion through the travel that takes longer than this [s] has failed."""
+"""Time limit of a motion through the travel [s]."""
 FREE = {"upstop.enabled": False, "downstop.enabled": False}
-"""Without stops, so that the motion goes on past the end of the travel and the end can be interpolated."""
+"""Values without stops, so that the motion passes the end of the travel and the end can be interpolated."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Travel:
 
     @classmethod
     def of(cls, fmu: Fmu) -> Travel:
-        """As the FMU's start angle and stop say."""
+        """Travel between the FMU's start angle and the angle of its stop."""
         return cls(fmu.default("crank.start_angle"), fmu.default("upstop.angle"))
 
     @property
@@ -66,12 +66,12 @@ class Motion:
 
 
 def retract(fmu: Fmu, travel: Travel, values: dict[str, Value]) -> Motion:
-    """A retraction from rest at the defaults but for these values."""
+    """A retraction from rest with all defaults except these values."""
     return turn(fmu, travel.up, values)
 
 
 def turn(fmu: Fmu, end: float, values: dict[str, Value]) -> Motion:
-    """A motion from rest to this angle of the crank [rad], at the defaults but for these values."""
+    """A motion from rest to this angle of the crank [rad], with all defaults except these values."""
     fmu.start({**FREE, **values})
     rows = [[0.0, *fmu.read("crank.angle", "crank.speed", "crank.acceleration")]]
     way = end - rows[0][1]
@@ -79,7 +79,7 @@ def turn(fmu: Fmu, end: float, values: dict[str, Value]) -> Motion:
     while (end - rows[-1][1]) * way > 0.0:
         if fmu.time > LONGEST:
             raise SystemExit(f"error: crank.angle does not reach {end} rad within {LONGEST} s under {values}")
-        # Multiples of the step rather than sums of it.
+        # Multiples of the step, which have less rounding error than sums of it.
         steps += 1
         fmu.step(steps * STEP - fmu.time)
         rows.append([fmu.time, *fmu.read("crank.angle", "crank.speed", "crank.acceleration")])
@@ -88,7 +88,8 @@ def turn(fmu: Fmu, end: float, values: dict[str, Value]) -> Motion:
 
 
 def passing(before: list[float], after: list[float], angle: float) -> list[float]:
-    """Time, angle, speed and acceleration where the angle is passed: of the quintic through both ends of a step."""
+    """Time, angle, speed and acceleration where the motion passes the angle, by the quintic through both ends of a
+    step."""
     h = after[0] - before[0]
     [a0, v0, c0], [a1, v1, c1] = ([row[1], h * row[2], h * h * row[3]] for row in (before, after))
     rest = np.array([a1 - a0 - v0 - 0.5 * c0, v1 - v0 - c0, c1 - c0])

@@ -15,23 +15,23 @@ from .hf08_loads import AXIS
 from .page import Claim, Figure, Section, bound
 
 POINTS = 85
-"""Angles over the travel."""
+"""Number of angles over the travel."""
 STEPS = 500
-"""Steps of the retraction by the appendix's equation, equal parts of the time of the FMU's."""
+"""Number of steps of the retraction by the appendix's equation: equal parts of the duration of the FMU's retraction."""
 SPEED = -1.0
 """Crank speed at which ratios of speeds are read [rad/s]."""
 
 
 @dataclass(frozen=True)
 class Misprints:
-    """Which formulas of the appendix are as printed."""
+    """Which formulas of the appendix are used as printed."""
 
     exponent: bool = False
-    """a^(3/2) for a^3 in both derivatives of angles."""
+    """a^(3/2) instead of a^3 in both derivatives of angles."""
     sign: bool = False
-    """Plus before the last term of the derivative of Theta_4."""
+    """Plus instead of minus before the last term of the derivative of Theta_4."""
     coupler: bool = False
-    """T_3g with cos(chi) for cos(Theta_2 + chi)."""
+    """T_3g with cos(chi) instead of cos(Theta_2 + chi)."""
     wheel: bool = False
     """T_5g with half of the wheel's mass."""
 
@@ -43,7 +43,7 @@ SINGLE = {
     "χ for Θ₂ + χ in T₃g": Misprints(coupler=True),
     "half of the wheel's mass in T₅g": Misprints(wheel=True),
 }
-"""Each misprint alone, with its words."""
+"""Each misprint alone, with its description."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +52,10 @@ class Appendix:
 
     linkage: FourBar
     attachments: tuple[complex, complex]
-    """Of the actuator, on crank and follower in their frames [m]."""
+    """Attachments of the actuator on crank and follower in their frames [m]."""
     force: float
     gravity: float
-    """Times the load factor [m/s²]."""
+    """Acceleration of gravity times the load factor [m/s²]."""
     chi: float
     psi: float
     leg: tuple[float, float, float]
@@ -63,7 +63,7 @@ class Appendix:
 
     @classmethod
     def of(cls, fmu: Fmu) -> Appendix:
-        """The gear."""
+        """The equation with the values of the gear's FMU."""
         ends = [complex(*(fmu.default(f"{body}.actuator_{axis}") for axis in "xy")) for body in ("crank", "follower")]
         return cls(
             FourBar.gear(fmu),
@@ -76,7 +76,7 @@ class Appendix:
         )
 
     def ratios(self, angle: Array, wrong: Misprints) -> tuple[Array, Array]:
-        """Derivatives of Theta_3 and Theta_4 along Theta_2."""
+        """Derivatives of Theta_3 and Theta_4 with respect to Theta_2."""
         l1, l2, l3, l4 = self.linkage.lengths
         square = l1**2 + l2**2 - 2.0 * l1 * l2 * np.cos(angle)
         power = square ** (0.75 if wrong.exponent else 1.5)
@@ -137,7 +137,8 @@ class Appendix:
         return (free + 0.5 * m3 * l2 * l3 * k3 * sine * speed**2) / inertia
 
     def duration(self, travel: Travel, about: float, wrong: Misprints) -> float:
-        """Time of retraction [s] from rest, by Runge and Kutta's method of order 4 with parts of the time `about`."""
+        """Duration of retraction [s] from rest, by the Runge-Kutta method of order 4 with equal parts of the time
+        `about`."""
         h = about / STEPS
 
         def rates(state: Array) -> Array:
@@ -159,7 +160,7 @@ class Appendix:
 def measure(gear: Fmu, extension: Fmu, angles: Array) -> dict[str, Array]:
     """Derivatives of Theta_3 and Theta_4, T_3g [N m] and the acceleration of the crank from rest, by the FMUs.
 
-    The load of the coupler on the crank is that on the actuator times its speed over the crank's.
+    The load reduced to the crank is the load reduced to the actuator times the ratio of actuator and crank speed.
     """
     start = {"crank.start_speed": SPEED}
     weighed = {"load_factor": gear.default("load_factor"), "airspeed": 0.0, "friction.enabled": False}
@@ -177,7 +178,7 @@ def measure(gear: Fmu, extension: Fmu, angles: Array) -> dict[str, Array]:
 
 
 def section(gear: Fmu, extension: Fmu, travel: Travel, duration: float) -> Section:
-    """The figure; `duration` is the time of the FMU's retraction [s]."""
+    """The figure; `duration` is that of the FMU's retraction [s]."""
     appendix, right = Appendix.of(gear), Misprints()
     angles = np.linspace(travel.down, travel.up, POINTS)
     run = measure(gear, extension, angles)

@@ -1,4 +1,4 @@
-"""[HF08]'s finite elements with rigid links taken literally: eqs. (18)-(25) by Newmark's method, without an FMU."""
+"""[HF08]'s finite elements with rigid links as printed: eqs. (18)-(25) by Newmark's method, without an FMU."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from .hf08_appendix import Appendix
 from .page import Claim, Figure, Section
 
 SUBSTEPS = 5
-"""Newmark's steps in each communication step."""
+"""Number of Newmark steps in each communication step."""
 COARSE = 2e-4
-"""A step of the kind that a paper takes [s]."""
+"""A step of the size usual in papers [s]."""
 INSTANT = 0.13
 """Time at which the angles are compared [s]."""
 CONVERGED = 1e-14
-"""Correction of positions at which the iterations of a step end [m]."""
+"""Correction of positions at which the iterations of a step stop [m]."""
 
 
 def block(along: float, across: float, direction: complex) -> Array:
@@ -34,7 +34,7 @@ def block(along: float, across: float, direction: complex) -> Array:
 
 @dataclass(frozen=True)
 class Elements:
-    """Three elements between A, B, C and D; leg and wheel are an inertia and a torque of the crank."""
+    """Three elements between A, B, C and D; leg and wheel contribute an inertia and a torque on the crank."""
 
     linkage: FourBar
     appendix: Appendix
@@ -43,11 +43,11 @@ class Elements:
 
     @classmethod
     def gear(cls, fmu: Fmu) -> Elements:
-        """The gear."""
+        """The elements with the values of the gear's FMU."""
         return cls(FourBar.gear(fmu), Appendix.of(fmu), np.array([fmu.default(f"{b}.axial_stiffness") for b in BODIES]))
 
     def nodes(self, angle: float) -> Array:
-        """Places of B and C without stretch [m]."""
+        """Positions of B and C without stretch [m]."""
         _, l2, l3, _ = self.linkage.lengths
         crank, coupler, _ = (float(a[0]) for a in self.linkage.angles(np.array(angle)))
         b = l2 * np.exp(1j * crank)
@@ -55,16 +55,16 @@ class Elements:
         return np.array([b.real, b.imag, c.real, c.imag])
 
     def assembled(self, x: Array) -> tuple[Array, Array, Array, Array]:
-        """Mass matrix, forces of the rods, their stiffness, and loads at these places of the nodes 2 and 3, B and C."""
+        """Mass matrix, forces of the rods, their stiffness, and loads at these positions of the nodes B and C."""
         l1, *lengths = self.linkage.lengths
         b, c = complex(x[0], x[1]), complex(x[2], x[3])
         spans = [b, c - b, c - l1]
         along = [span / abs(span) for span in spans]
         masses = [parts[0].mass for parts in self.linkage.masses]
         l5, m5, m5k = self.appendix.leg
-        # Leg and wheel: the transverse motion of B turns them.
+        # Leg and wheel turn with the transverse motion of B.
         turning = (m5 / 3.0 + m5k) * (l5 / lengths[0]) ** 2
-        # Eqs. (19) and (18), turned: of each element the blocks of one end and of both.
+        # Eqs. (19) and (18), rotated: the blocks of one end and of both ends of each element.
         own = [block(m / 4.0, m / 3.0, e) for m, e in zip(masses, along, strict=True)]
         own[0] += block(0.0, turning, along[0])
         both = block(masses[1] / 4.0, masses[1] / 6.0, along[1])

@@ -1,4 +1,4 @@
-"""The extension of the gear, which [HF08] names without a figure: crank angle and speed under a pulling actuator."""
+"""The extension of the gear, which [HF08] mentions without a figure: crank angle and speed under a pulling actuator."""
 
 from __future__ import annotations
 
@@ -11,21 +11,21 @@ from .hf08_friction import FRICTION
 from .page import Claim, Figure, Section, bound
 
 PULL = 9000.0
-"""Force with which the actuator pulls [N], the project's."""
+"""Pulling force of the actuator, a choice of this project [N]."""
 
 
 def extend(fmu: Fmu, travel: Travel, values: dict[str, Value]) -> Motion:
-    """An extension from rest with the gear up, at the defaults but for the pull and these values."""
+    """An extension from rest with the gear up, with all defaults except the pull and these values."""
     return turn(fmu, travel.down, pulled(travel, values))
 
 
 def pulled(travel: Travel, values: dict[str, Value]) -> dict[str, Value]:
-    """Start of an extension."""
+    """Start values of an extension."""
     return {"crank.start_angle": travel.up, "actuator.force": -PULL, **values}
 
 
 def impact(fmu: Fmu, travel: Travel, after: float) -> tuple[float, float]:
-    """Time [s] and impulse of the impact on the stop of the gear down, in a run that ends after this time [s]."""
+    """Time [s] and impulse of the impact on the stop of the gear down, in a run up to this time [s]."""
     fmu.start(pulled(travel, {}))
     while fmu.time <= after:
         fmu.step(STEP)

@@ -13,13 +13,13 @@ from .page import Claim, Figure, Section, bound
 FRICTION = {"friction.enabled": True}
 AIR = {"airspeed": AIRSPEED}
 JOINT = "joint1"
-"""Joint between ground and crank: it slips at the crank's speed."""
+"""Joint between ground and crank; its slip is proportional to the crank's speed."""
 SLIPS = (0.002, 0.005, 0.01, 0.015, 0.03, *(0.01 * share for share in range(10, 121, 10)))
-"""Slip speeds at which the FMU is asked for the coefficient, as parts of V_d."""
+"""Slip speeds at which the coefficient is read from the FMU, relative to V_d."""
 
 
 def law(fmu: Fmu, speed: Array) -> Array:
-    """mu over slip speed [m/s] as [HF08] section 4 has it in words, with a cubic step between V_S and V_d."""
+    """mu over slip speed [m/s] as [HF08] section 4 describes it, with a cubic step between V_S and V_d."""
     low, high = fmu.default("friction.static_coefficient"), fmu.default("friction.kinetic_coefficient")
     first, last = fmu.default("friction.static_speed"), fmu.default("friction.kinetic_speed")
     s = np.clip((speed - first) / (last - first), 0.0, 1.0)
@@ -27,7 +27,7 @@ def law(fmu: Fmu, speed: Array) -> Array:
 
 
 def measured(fmu: Fmu, travel: Travel) -> tuple[Array, Array]:
-    """Slip speed [m/s] and torque over reaction and radius, in JOINT in the middle of the travel."""
+    """Slip speed [m/s], and torque over reaction and radius, of JOINT in the middle of the travel."""
     radius, last = fmu.default(f"{JOINT}.pin_radius"), fmu.default("friction.kinetic_speed")
     rows = []
     for share in SLIPS:
@@ -84,7 +84,7 @@ def coefficient(fmu: Fmu, travel: Travel, plain: Motion) -> tuple[Figure, dict[s
 
 
 def pair_2(fmu: Fmu, run: Motion) -> Array:
-    """Size of the acceleration of the centre of joint2, the crank's end [m/s2]."""
+    """Magnitude of the acceleration of the centre of joint2, the crank's end [m/s2]."""
     return fmu.default("crank.length") * np.hypot(run.acceleration, run.speed**2)
 
 

@@ -1,4 +1,4 @@
-"""The loads of the gear on the fuselage over the travel, which [HF08] names without a figure."""
+"""The loads of the gear on the fuselage over the travel, which [HF08] mentions without a figure."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from .hf08_loads import AXIS, POINTS
 from .page import Claim, Figure, Section, bound
 
 JOINTS = {"joint1": "at the crank's pivot A", "joint4": "at the follower's pivot D"}
-"""Joints with the ground; the actuator acts between crank and follower and loads no third body."""
+"""Outputs of the joints with the ground; the actuator acts between crank and follower and loads no third body."""
 READ = (
     "crank.angle",
     "crank.speed",
@@ -23,20 +23,20 @@ READ = (
 
 
 def retraction(fmu: Fmu, travel: Travel) -> Array:
-    """READ during a retraction at the defaults, as rows, up to the end of the travel."""
+    """READ during a retraction with all defaults up to the end of the travel, as rows."""
     fmu.start(FREE)
     rows = [fmu.read(*READ)]
     while rows[-1][0] > travel.up:
         fmu.step(STEP)
         rows.append(fmu.read(*READ))
     rows = np.array(rows).T
-    # The last state lies beyond the travel.
+    # The last state is beyond the travel.
     last = [np.interp(travel.up, rows[0, ::-1], row[::-1]) for row in rows]
     return np.column_stack([rows[:, :-1], last])
 
 
 def held(fmu: Fmu, travel: Travel) -> Array:
-    """READ at rest within the travel, held by the actuator, as rows."""
+    """READ at rest within the travel, with the gear held by the actuator, as rows."""
     found = []
     for angle in np.linspace(travel.down, travel.up, POINTS).tolist():
         fmu.start({**FREE, "crank.start_angle": angle})
@@ -46,8 +46,8 @@ def held(fmu: Fmu, travel: Travel) -> Array:
 
 
 def balance(fmu: Fmu, rows: Array) -> float:
-    """Largest error of the sum of all forces on the gear, against mass times acceleration in closed form, as a part of
-    the largest of these.
+    """Largest difference between the sum of all forces on the gear and mass times acceleration in closed form, relative
+    to the largest of these.
     """
     angle, omega, epsilon = rows[:3]
     up, factor = fmu.default("gravity.up_angle"), fmu.default("load_factor")
@@ -62,7 +62,7 @@ def balance(fmu: Fmu, rows: Array) -> float:
 def section(fmu: Fmu, travel: Travel) -> Section:
     """The figure."""
     moving, still = retraction(fmu, travel), held(fmu, travel)
-    # The interpolated last state does not balance to rounding.
+    # The interpolated last state is not in equilibrium to rounding.
     errors = [balance(fmu, moving[:, :-1]), balance(fmu, still)]
     flow, up = (np.exp(1j * fmu.default(name)) for name in ("air.flow_angle", "gravity.up_angle"))
     loads = [[-(rows[3 + 2 * k] + 1j * rows[4 + 2 * k]) * 1e-3 for k in range(len(JOINTS))] for rows in (moving, still)]

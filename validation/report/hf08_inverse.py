@@ -1,4 +1,4 @@
-"""[HF08] figure 12, the least force of the actuator over the travel, and the force along a smooth retraction."""
+"""[HF08] figure 12, the least force of the actuator over the travel, and the force for a smooth retraction."""
 
 from __future__ import annotations
 
@@ -13,20 +13,19 @@ from .hf08_loads import AXIS
 from .page import Claim, Figure, Section, bound
 
 COAST = {"crank.start_speed": -2.0, "load_factor": 0.0, "actuator.force": 0.0}
-"""A slow unloaded motion through the travel, on which forces at rest are read."""
+"""A slow motion through the travel without loads, at whose positions forces at rest are read."""
 COAST_STEP = 10e-3
-"""[s]"""
+"""Communication step of this motion [s]."""
 FORCES = ("holding_force", "breakaway_force_forward", "breakaway_force_backward")
 DURATION = 1.0
-"""Of the smooth retraction [s]."""
+"""Duration of the smooth retraction [s]."""
 POINTS = 50
-"""States along it, in the middles of equal parts of its time."""
+"""Number of states along the smooth retraction, in the middles of equal parts of its duration."""
 
 
 def least_force(fmu: Fmu, travel: Travel, parameters: dict[str, Value] | None = None) -> tuple[Array, dict[str, Array]]:
-    """Angle of rotation [deg]; force [N] without friction, and that which begins to move the gear either way, at the
-    defaults but for these parameters.
-    """
+    """Angle of rotation [deg]; force [N] without friction, and the breakaway forces in both directions, with all
+    defaults except these parameters."""
     loads = {"load_factor": fmu.default("load_factor"), "airspeed": AIRSPEED}
     fmu.start({**FREE, **FRICTION, **COAST, **(parameters or {})})
     rows: list[list[float]] = []
@@ -37,7 +36,7 @@ def least_force(fmu: Fmu, travel: Travel, parameters: dict[str, Value] | None = 
         rows.append(fmu.read("crank.angle", *(f"actuator.{name}" for name in FORCES)))
         fmu.set({"load_factor": 0.0, "airspeed": 0.0})
     angle, *forces = np.array(rows).T
-    # The last state lies beyond the travel: forces at its end are interpolated.
+    # The last state is beyond the travel: forces at its end are interpolated.
     ends = [np.interp(travel.up, angle[::-1], force[::-1]) for force in forces]
     angle[-1] = travel.up
     for force, end in zip(forces, ends, strict=True):
@@ -85,7 +84,7 @@ def quasi_static(fmu: Fmu, rotation: Array, forces: dict[str, Array]) -> tuple[F
 
 
 def profile(travel: Travel, s: Array) -> tuple[Array, Array, Array]:
-    """Angle, speed and acceleration of the crank at the times s DURATION: at rest with no acceleration at both ends."""
+    """Angle, speed and acceleration of the crank at the times s DURATION; speed and acceleration 0 at both ends."""
     way = travel.up - travel.down
     angle = travel.down + way * s**3 * (10.0 - 15.0 * s + 6.0 * s**2)
     speed = way * 30.0 * s**2 * (1.0 - s) ** 2 / DURATION
@@ -94,9 +93,9 @@ def profile(travel: Travel, s: Array) -> tuple[Array, Array, Array]:
 
 
 def required(fmu: Fmu, friction: bool, courses: tuple[Array, Array, Array]) -> tuple[Array, Array, float]:
-    """Required forces [N] along a profile of the crank, in still air and in moving air; how well they are met.
+    """Required forces [N] along a profile of the crank, in still and in moving air, and the error of this motion.
 
-    That is the largest error of the acceleration that comes out when they are applied, as a part of the largest.
+    The error is that of the acceleration under the required forces, relative to the largest acceleration.
     """
     rows, worst = [], 0.0
     for angle, speed, acceleration in zip(*(c.tolist() for c in courses), strict=True):
@@ -104,7 +103,7 @@ def required(fmu: Fmu, friction: bool, courses: tuple[Array, Array, Array]) -> t
         row = []
         for airspeed in (0.0, AIRSPEED):
             fmu.set({"airspeed": airspeed, "actuator.force": fmu.default("actuator.force")})
-            # The drive's length x is a function of the crank's angle: x_ddot = x' epsilon + x'' omega^2.
+            # The drive's length x is a function of the crank angle: x_ddot = x' epsilon + x'' omega^2.
             names = ("crank.speed", "crank.acceleration", "actuator.speed", "actuator.acceleration")
             omega, epsilon, x_dot, x_ddot = fmu.read(*names)
             demand = x_ddot + x_dot / omega * (acceleration - epsilon)
@@ -118,7 +117,7 @@ def required(fmu: Fmu, friction: bool, courses: tuple[Array, Array, Array]) -> t
 
 
 def along_profile(fmu: Fmu, travel: Travel) -> tuple[Figure, Claim, dict[str, float]]:
-    """The extra figure."""
+    """The additional figure."""
     courses = profile(travel, (np.arange(POINTS) + 0.5) / POINTS)
     rotation = travel.rotation(courses[0])
     still, windy, error = required(fmu, False, courses)

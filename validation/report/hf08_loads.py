@@ -1,4 +1,4 @@
-"""[HF08] figures 3 and 4: drag, and the actuator's force against mass and air loads, over the angle of rotation."""
+"""[HF08] figures 3 and 4: drag, and the actuator's force for mass and air loads, over the angle of rotation."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from .gear import AIRSPEED, Array, Travel
 from .page import Claim, Figure, Section
 
 POINTS = 121
-"""Angles over the travel."""
+"""Number of angles over the travel."""
 LINKS = ("coupler", "follower")
 AXIS = "angle of gear rotation [deg]"
 
 
 def sweep(fmu: Fmu, travel: Travel) -> tuple[Array, dict[str, Array]]:
-    """Angle of rotation [deg]; drags, holding forces of mass, air and both loads [N]. At rest, within the travel."""
+    """Angle of rotation [deg]; drags and holding forces of mass, air and both loads [N], at rest within the travel."""
     angles = np.linspace(travel.down, travel.up, POINTS)
     rows = []
     for angle in angles:
@@ -40,7 +40,7 @@ def resistance(fmu: Fmu, rotation: Array, loads: dict[str, Array]) -> Figure:
     peak = int(np.argmax(whole))
     flow = math.degrees(fmu.default("air.flow_angle"))
     level = math.degrees(fmu.default("gravity.up_angle")) - 90.0
-    # Where the leg points against the flow: crank + leg = flow + 180 deg, a turn less.
+    # Angle at which the leg points against the flow: crank + leg = flow + 180 deg, minus a turn.
     against = math.degrees(fmu.default("crank.start_angle") + fmu.default("leg.angle")) - (flow - 180.0)
 
     curves = [

@@ -13,7 +13,7 @@ MISSING = f"this FMU has no `{METHOD}` yet, so the curve by rigid finite element
 
 
 def curve(name: str, title: str, label: str, quantity: str, runs: dict[str, Motion], caption: str) -> Figure:
-    """One quantity over time, a line for each method."""
+    """One quantity over time, one line per method."""
     styles = zip(runs.items(), (("-", BLUE), ("--", ORANGE)), strict=False)
     curves = [(run.time * 1e3, getattr(run, quantity), *style, method) for (method, run), style in styles]
     return Figure(f"hf08_{name}", f"[HF08] figure {title}", caption, lines("time [ms]", label, curves))

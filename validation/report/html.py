@@ -1,4 +1,4 @@
-"""The report as one HTML page that loads nothing: figures beside what the text says, the gear in motion, benchmarks."""
+"""The report as one self-contained HTML page: figures with their captions, the gear in motion, benchmarks."""
 
 from __future__ import annotations
 
@@ -15,30 +15,30 @@ from .page import HEADER, Figure, Section
 
 @dataclass(frozen=True)
 class Shown:
-    """A figure with its picture, a PNG."""
+    """A figure with its PNG picture."""
 
     figure: Figure
     picture: bytes
 
     @property
     def source(self) -> str:
-        """The picture as an address."""
+        """The picture as a data URL."""
         return "data:image/png;base64," + base64.b64encode(self.picture).decode("ascii")
 
 
 def marked(text: str) -> Markup:
-    """Text with `code` and *emphasis*, as the captions have them."""
+    """HTML of a caption with `code` and *emphasis*."""
     safe = re.sub(r"`([^`]+)`", r"<code>\1</code>", str(escape(text)))
     return Markup(re.sub(r"(?<![\w*])\*(?=\S)([^*<]+?)(?<=\S)\*(?![\w*])", r"<em>\1</em>", safe))
 
 
 def anchor(title: str) -> str:
-    """Name of a section in addresses."""
+    """Anchor of a section."""
     return re.sub(r"[^a-z0-9]+", "-", title.lower()).strip("-")
 
 
 def html(sections: list[Section], pictures: dict[str, bytes], motion: str, measured: list[Shown]) -> str:
-    """The page; `pictures` by the figures' names, `motion` the page of the gear, `measured` the benchmarks' figures."""
+    """The page; `pictures` by figure name, `motion` the view of the gear, `measured` the figures of the benchmarks."""
     title, _, introduction = HEADER.removeprefix("# ").partition("\n")
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent), autoescape=True, undefined=StrictUndefined, trim_blocks=True

@@ -1,6 +1,6 @@
-"""What the report is made of, and its text as Markdown.
+"""The parts of the report, and its text as Markdown.
 
-It must not know where numbers come from or how figures are drawn.
+It must not depend on the source of the numbers or on how figures are drawn.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ below, from 1e-12 up.
 
 
 OURS = "Ours: "
-"""What stands in a caption between the words about the paper and those about the runs."""
+"""Separates the statement about the paper from that about the runs in a caption."""
 ROUNDING = 1e-12
-"""Relative errors below this are rounding, and not told apart."""
+"""Relative errors below this are rounding errors and are reported as this value."""
 
 
 @dataclass(frozen=True)
@@ -43,23 +43,23 @@ class Figure:
 
     @property
     def words(self) -> str:
-        """The title without brackets, for those who do not see the figure."""
+        """The title without brackets, as the alternative text."""
         return self.title.replace("[", "").replace("]", "")
 
     @property
     def paper(self) -> str:
-        """What the caption says of the paper."""
+        """The caption's statement about the paper."""
         return sentence(self.caption.partition(OURS)[0].removeprefix("Paper: ").strip())
 
     @property
     def ours(self) -> str:
-        """What the caption says of the runs."""
+        """The caption's statement about the runs."""
         return sentence(self.caption.partition(OURS)[2])
 
 
 @dataclass(frozen=True)
 class Claim:
-    """A row of the table: where it stands, what the paper says, what the runs give, what to know when comparing."""
+    """A row of the table: section of the paper, statement, value of the paper, value of the runs, remark."""
 
     source: str
     statement: str
@@ -70,7 +70,7 @@ class Claim:
 
 @dataclass(frozen=True)
 class Section:
-    """A group of figures with the claims they answer; `values` are their numbers, to be checked by a test."""
+    """A group of figures with the claims they concern; `values` are their numbers, which a test checks."""
 
     title: str
     figures: list[Figure]
@@ -80,18 +80,18 @@ class Section:
 
 
 def sentence(text: str) -> str:
-    """With a capital at its beginning, unless a symbol stands there."""
+    """The text with a capital first letter, unless it starts with a symbol."""
     return text[:1].upper() + text[1:] if text[1:2].isalpha() else text
 
 
 def bound(values: float | Iterable[float]) -> str:
-    """A power of ten that all of these errors stay below by a factor of three or more: their digits are noise."""
+    """A power of ten that exceeds all of these errors by a factor of three or more, as their digits are noise."""
     largest = max([values] if isinstance(values, float) else values)
     return f"1e{math.ceil(math.log10(max(3.0 * largest, ROUNDING)))}"
 
 
 def text(sections: list[Section]) -> str:
-    """The page."""
+    """The report as Markdown."""
     rows = ["| where | claim | paper | ours | remark |", "|---|---|---|---|---|"]
     for section in sections:
         rows += [f"| {c.source} | {c.statement} | {c.paper} | {c.ours} | {c.remark} |" for c in section.claims]

@@ -1,5 +1,5 @@
-//! Error against exact values, run time and work: scene S1, published benchmark mechanisms, what each further loop
-//! costs, and tables against none. `scenes/known.json` holds the exact values.
+//! Error against exact values, run time and work: scene S1, published benchmark mechanisms, cost of each further loop,
+//! and runs with and without tables. `scenes/known.json` contains the exact values.
 use crate::measure::{self, Asked, Pages, digits, heading, timed};
 use fmu_build::chain;
 use linkage_fmu::mechanism::{Model, ModelError, Statistics};
@@ -7,12 +7,12 @@ use serde_json::Value;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Head of the CSV.
+/// Heading of the CSV.
 const COLUMNS: &str = "scene,steps,tolerance,error_rad,time_us,evaluations,accepted,rejected\n";
 
 /// One mechanism with an output whose value at the end of the span is known.
 struct Known {
-    /// Word for CSV.
+    /// Name in the CSV.
     name: &'static str,
     title: String,
     text: String,
@@ -76,7 +76,7 @@ impl Known {
     }
 
     /// Time [s], error and evaluations of the span in one doStep, with tables and without: the fastest of many runs,
-    /// the two taken in turn.
+    /// alternating between the two.
     fn tables(&self, exponent: i32, runs: usize) -> Result<[(f64, f64, u64); 2], ModelError> {
         let ready = |tables: bool| -> Result<Model, ModelError> {
             let mut model = Model::from_json(&self.text)?;
@@ -98,9 +98,9 @@ impl Known {
     }
 }
 
-/// Scene S1: run time of a whole retraction against its error; the table in Markdown and CSV.
+/// Scene S1: run time of a whole retraction over its error; the table as Markdown and CSV.
 pub fn retraction(descriptions: &Path) -> Result<Pages, String> {
-    /// Runs of which the fastest counts.
+    /// Number of runs; the fastest counts.
     const RUNS: usize = 300;
     let known = Known::read("LandingGearRetraction", descriptions)?;
     let mut instantiation = f64::INFINITY;
@@ -118,7 +118,7 @@ pub fn retraction(descriptions: &Path) -> Result<Pages, String> {
     Ok(pages)
 }
 
-/// The published mechanisms; the tables in Markdown and CSV.
+/// The published mechanisms; the tables as Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     const SCENES: [(&str, u32); 5] = [
         ("AndrewsSqueezer", 300),
@@ -142,10 +142,10 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(pages)
 }
 
-/// Tables against none: the same motion with the right-hand side from tables and from the exact evaluator; the table in
-/// Markdown and CSV.
+/// Runs with and without tables: the same motion with the right-hand side from tables and from the exact evaluator; the
+/// table as Markdown and CSV.
 pub fn untabled(descriptions: &Path) -> Result<Pages, String> {
-    /// Runs of which the fastest counts.
+    /// Number of runs; the fastest counts.
     const RUNS: usize = 100;
     const ANDREWS: &str = "AndrewsSqueezer";
     let times = ["mechanism", "tolerance", "tables [us]", "none [us]", "ratio"];

@@ -1,4 +1,4 @@
-//! Cost against the number of bodies: the chain of four-bars, set-up and steps of 10 ms.
+//! Run time over the number of bodies: a chain of four-bars, set-up and steps of 10 ms.
 
 use crate::measure::{self, Asked, Pages, digits, heading, timed};
 use fmu_build::chain;
@@ -7,11 +7,11 @@ use std::fmt::{Display, Write};
 
 /// Numbers of four-bars.
 const COUNTS: [u32; 6] = [1, 2, 5, 10, 20, 40];
-/// Steps [s] and their number: 10 s, five turns through both flat positions.
+/// Length of a step [s], and number of steps: 10 s, five turns through both flat positions.
 const STEP: f64 = 0.01;
 const STEPS: u32 = 1000;
 const TOLERANCE: f64 = 1e-9;
-/// Runs of which the fastest counts; instantiations, likewise.
+/// Number of runs and of instantiations; the fastest of each counts.
 const RUNS: usize = 200;
 const SETUPS: usize = 9;
 
@@ -21,11 +21,11 @@ struct Chain {
     model: Model,
     /// Set-up [ms], from the text to the initialised model.
     setup: f64,
-    /// The steps of a run [s].
+    /// Run time of all steps of a run [s].
     run: f64,
 }
 
-/// The table in Markdown and CSV.
+/// The table as Markdown and CSV.
 pub fn table() -> Result<Pages, String> {
     measure().map_err(|e| e.to_string())
 }

@@ -1,9 +1,9 @@
-//! Instructions that a run of this program takes, counted by callgrind.
+//! Instructions of a run of this program, counted by callgrind.
 
 use std::process::Command;
 
-/// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` of them, whose
-/// arguments `words` gives.
+/// Instructions of a repetition: the difference of two runs of this program with `few` and with `more` repetitions,
+/// with the arguments `words`.
 pub fn difference(words: impl Fn(String) -> Vec<String>, few: u32, more: u32) -> Result<f64, String> {
     let difference = counted(&words(more.to_string()))?.checked_sub(counted(&words(few.to_string()))?);
     let difference = difference.ok_or("callgrind counted fewer instructions for more repetitions")?;

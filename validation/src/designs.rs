@@ -1,7 +1,7 @@
-//! Random designs: what a designer pays who looks at each geometry once.
+//! Random designs: the time of a study that evaluates each geometry once.
 //!
-//! In: the landing gear. Out: times of designs whose attachments and lengths are random: parameters set, initialised,
-//! one run to the end of the travel, reactions read.
+//! In: the landing gear. Out: times of designs with random attachments and lengths: set the parameters, initialise, one
+//! run to the end of the travel, read reactions.
 use crate::attack::random::Random;
 use crate::measure::{self, Pages, heading};
 use linkage_fmu::mechanism::{Model, ModelError};
@@ -9,35 +9,35 @@ use std::fmt::{Display, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// Number of designs, the seed of their numbers.
+/// Number of designs, and seed of the random numbers.
 const DESIGNS: usize = 1500;
 const SEED: u64 = 1;
-/// Coordinates of the attachments, and how far they are moved [m].
+/// Coordinates of the attachments, and their greatest displacement [m].
 const ATTACHMENTS: [&str; 4] = ["crank.actuator_x", "crank.actuator_y", "follower.actuator_x", "follower.actuator_y"];
 const MOVED: f64 = 0.3;
-/// Lengths, and by how much of them they change.
+/// Lengths, and their greatest relative change.
 const LENGTHS: [&str; 4] = ["ground.length", "crank.length", "coupler.length", "follower.length"];
 const CHANGED: f64 = 0.1;
 /// Reactions that are read.
 const REACTIONS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
-/// Steps of a run, and their length [s].
+/// Number of steps of a run, and their length [s].
 const STEPS: usize = 130;
 const STEP: f64 = 1e-3;
 
 /// Times of one design [s].
 #[derive(Clone, Copy)]
 struct Times {
-    /// Parameters set and initialised.
+    /// Set the parameters and initialise.
     start: f64,
     /// A run in one step.
     run: f64,
-    /// One reaction after the run.
+    /// Read one reaction after the run.
     one: f64,
-    /// A run of [`STEPS`] steps, all reactions read after each.
+    /// A run of [`STEPS`] steps with all reactions read after each.
     all: f64,
 }
 
-/// The table in Markdown.
+/// The table as Markdown.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let text = measure::mechanism(&descriptions.join("LandingGearRetraction"))?;
     let mut model = Model::from_json(&text).map_err(|e| e.to_string())?;
@@ -70,7 +70,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(Pages { page, csv: String::new() })
 }
 
-/// Times of one random design; the four reactions in each step are read in a twin of its own, with tables of its own.
+/// Times of one random design. The run with reactions in each step uses a separate copy with separate tables.
 fn design(model: &mut Model, random: &mut Random) -> Result<Times, ModelError> {
     let references = |names: [&str; 4]| names.map(|name| model.variables().find(name).unwrap_or_default());
     let (attachments, lengths, reactions) = (references(ATTACHMENTS), references(LENGTHS), references(REACTIONS));
@@ -86,7 +86,7 @@ fn design(model: &mut Model, random: &mut Random) -> Result<Times, ModelError> {
         values.iter().try_for_each(|(reference, value)| model.set_real(*reference, *value))?;
         model.initialize()
     };
-    // The twin was cloned before, so that it shares no table of this design.
+    // The copy was made before, so that it shares no table of this design.
     let mut twin = model.clone();
     let start = measured(|| set(model))?;
     let run = measured(|| model.step(STEPS as f64 * STEP))?;

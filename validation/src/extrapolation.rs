@@ -1,13 +1,13 @@
-//! An integrator of high order that shares nothing with the engine's: extrapolation of the modified midpoint rule
-//! (Gragg, Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9).
+//! An integrator of high order, independent of the engine: extrapolation of the modified midpoint rule (Gragg,
+//! Bulirsch, Stoer; Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, II.9).
 //!
-//! In: y' = f(t, y) and a span. Out: y at its end. It must not know what y means.
+//! In: y' = f(t, y) and a span. Out: y at its end. Must not depend on the meaning of y.
 use std::convert::Infallible;
 
-/// Substeps of the midpoint rule in the columns of the extrapolation; n columns give the order 2 n.
+/// Substeps of the midpoint rule in the columns of the extrapolation; n columns have the order 2 n.
 const SUBSTEPS: [u32; 8] = [2, 4, 6, 8, 10, 12, 14, 16];
 
-/// y at `t + h` of order 12, by steps of at most `longest`.
+/// y at `t + h` by a method of order 12 in steps of at most `longest`.
 pub fn integrate<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
     t: f64,
@@ -24,8 +24,8 @@ pub fn integrate<const N: usize>(
     y
 }
 
-/// y at `t + h` in one step: by the first three or more columns whose last two extrapolations agree, or else by all
-/// `columns`; and whether they agree.
+/// y at `t + h` in one step, and whether the extrapolation converged: by the first three or more columns whose last two
+/// values agree, otherwise by all `columns`.
 pub fn step<const N: usize, E>(
     f: &mut impl FnMut(f64, &[f64; N]) -> Result<[f64; N], E>,
     t: f64,
@@ -38,7 +38,7 @@ pub fn step<const N: usize, E>(
     let mut last = [[0.0; N]; SUBSTEPS.len()];
     for (row, n) in SUBSTEPS.into_iter().enumerate().take(columns) {
         last[row] = midpoint(f, t, y, &slope, h, n)?;
-        // Aitken and Neville in (h/n)^2.
+        // Aitken-Neville scheme in (h/n)^2.
         for k in (0..row).rev() {
             let ratio = (f64::from(n) / f64::from(SUBSTEPS[k])).powi(2);
             let next = last[k + 1];
@@ -53,7 +53,7 @@ pub fn step<const N: usize, E>(
     Ok((last[0], false))
 }
 
-/// n substeps of the midpoint rule, the first one by Euler's, with Gragg's smoothing left out: n is even.
+/// n substeps of the midpoint rule, the first by Euler's rule, without Gragg's smoothing as n is even.
 fn midpoint<const N: usize, E>(
     f: &mut impl FnMut(f64, &[f64; N]) -> Result<[f64; N], E>,
     t: f64,

@@ -1,4 +1,4 @@
-//! The landing gear as a host drives it: the calls of a scene, and a whole life, through the C functions.
+//! The landing gear through the C functions: the calls of a scene, and the whole life of an instance.
 //!
 //! In: a description folder and the settings of a scene. Out: statuses as `Result`, times.
 
@@ -10,15 +10,15 @@ use std::path::Path;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// Outputs of the motion, each read by a call of its own.
+/// Outputs of the motion, each read by a separate call.
 const MOTION: [&str; 3] = ["crank.angle", "crank.speed", "crank.acceleration"];
-/// Sizes of the reactions.
+/// Magnitudes of the reactions.
 const REACTIONS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
 /// Unknowns of the directional derivative.
 const UNKNOWNS: [&str; 4] = ["crank.speed", "crank.acceleration", "actuator.speed", "actuator.acceleration"];
-/// More outputs than the gear has.
+/// Greater than the number of outputs of the gear.
 const MOST_OUTPUTS: usize = 256;
-/// Outputs read at the end of a life.
+/// Outputs read at the end of an instance's life.
 pub const LAST: [&str; 3] = ["crank.angle", "crank.speed", "energy.drift"];
 
 /// `Ok`, or the name of the call with its status.
@@ -26,7 +26,7 @@ fn done(call: &str, status: Status) -> Result<(), String> {
     if status == Status::Ok { Ok(()) } else { Err(format!("{call}: {status:?}")) }
 }
 
-/// From `fmi2Instantiate` to `fmi2FreeInstance`, scene S1 in one doStep.
+/// All calls from `fmi2Instantiate` to `fmi2FreeInstance`, scene S1 in one doStep.
 pub fn live(description: &Arc<Description>) -> Result<(), String> {
     let host = description.instantiate(None, false)?;
     let mut values = [0.0; LAST.len()];
@@ -39,7 +39,7 @@ pub fn live(description: &Arc<Description>) -> Result<(), String> {
     Ok(())
 }
 
-/// Set a scene's values, set up, initialise.
+/// Set a scene's values and initialise.
 fn prepare(host: &Host, scene: &Scene, tolerance: f64) -> Result<(), String> {
     for &(name, value) in scene.reals {
         done(name, host.set(name, value))?;
@@ -51,7 +51,7 @@ fn prepare(host: &Host, scene: &Scene, tolerance: f64) -> Result<(), String> {
     done("initialization", host.initialize())
 }
 
-/// An initialised instance of the landing gear, with the state that each run begins with.
+/// An initialised instance of the landing gear, with the state at the start of each run.
 pub struct Gear {
     host: Host,
     start: State,
@@ -78,8 +78,8 @@ impl Gear {
         Ok(Self { host, start, motion, reactions, unknowns, known, outputs })
     }
 
-    /// `steps` doSteps of `h` from the start, with what is called after each of them, in as many parts as `least` is
-    /// long; `least` keeps the least time [s] of each part.
+    /// `steps` doSteps of `h` from the start with the calls `after` each of them, timed in as many parts as `least` has
+    /// elements; `least` keeps the least time [s] of each part.
     pub fn run(&mut self, steps: u32, h: f64, after: &[After], least: &mut [f64]) -> Result<(), String> {
         done("fmi2SetFMUstate", self.host.restore(&self.start))?;
         let mut state = State::NONE;
@@ -97,7 +97,7 @@ impl Gear {
         done("fmi2FreeFMUstate", self.host.free(&mut state))
     }
 
-    /// `fmi2Reset` and everything up to the first doStep, with the values of a scene and its settings.
+    /// `fmi2Reset` and all calls up to the first doStep, with the values of a scene and its settings.
     pub fn restart(&self, scene: &Scene, tolerance: f64) -> Result<(), String> {
         done("fmi2Reset", self.host.reset())?;
         prepare(&self.host, scene, tolerance)
@@ -143,7 +143,7 @@ impl Gear {
                 done("fmi2GetDirectionalDerivative", status)
             }
             After::Force => done("fmi2SetReal", self.host.set_reals(&[self.known], &[force(steps)])),
-            // The state that is restored was saved after the step: no step is repeated.
+            // The restored state was saved after the step, so that no step is repeated.
             After::State => {
                 done("fmi2GetFMUstate", self.host.save_into(state))?;
                 done("fmi2SetFMUstate", self.host.restore(state))

@@ -1,4 +1,4 @@
-//! An instance of either version of FMI, with the calls that both have. Statuses are numbers, the same in both.
+//! An instance of either version of FMI, with the calls common to both. Statuses are numbers, the same in both.
 use linkage_fmu::fmi2::host::{Description, Host as Host2, Log, State};
 use linkage_fmu::fmi2::types::{Status, ValueReference};
 use linkage_fmu::fmi3::host::{Host as Host3, Stepped};
@@ -17,7 +17,7 @@ pub enum Host {
     Three(Host3),
 }
 
-/// Calls that both versions have, by one name and with the same arguments.
+/// Calls common to both versions, with the same name and arguments.
 macro_rules! both {
     ($($name:ident($($argument:ident: $type:ty),*)),* $(,)?) => {$(
         #[inline]
@@ -30,7 +30,7 @@ macro_rules! both {
     )*};
 }
 
-/// The same, of calls that answer more than a status.
+/// Calls that return more than a status.
 macro_rules! both_answer {
     ($($name:ident),*) => {$(
         pub fn $name(&self) -> (i32, bool) {
@@ -70,7 +70,7 @@ impl Host {
         }
     }
 
-    /// Into initialization mode; FMI 2.0 has the experiment set up in a call before.
+    /// Enter initialization mode; for FMI 2.0 after the call that sets up the experiment.
     pub fn enter(&self, tolerance: Option<f64>, start: f64, stop: Option<f64>) -> i32 {
         match self {
             Self::Two(host) => host.enter() as i32,
@@ -78,7 +78,7 @@ impl Host {
         }
     }
 
-    /// A step, and what FMI 3.0 tells of it; one of FMI 2.0 is whole.
+    /// A step with the outputs of fmi3DoStep; in FMI 2.0 a step is always whole.
     #[inline]
     pub fn step(&self, point: f64, h: f64) -> (i32, Stepped) {
         match self {
@@ -90,7 +90,7 @@ impl Host {
         }
     }
 
-    /// A state in bytes and back: the first status that is not OK.
+    /// Serialise and deserialise a state: the first status that is not OK.
     pub fn renew(&self, state: &mut State) -> i32 {
         match self {
             Self::Two(host) => {
@@ -113,10 +113,10 @@ impl Host {
     }
 }
 
-/// A model of `modelDescription/`, with what is found once.
+/// A model of `modelDescription/`, with its description.
 pub struct Model {
     pub description: Arc<Description>,
-    /// Number of its vectors.
+    /// Number of its vector variables.
     pub vectors: usize,
 }
 

@@ -1,4 +1,4 @@
-//! Cost of one doStep of the hydraulic actuator through the C functions, with and without preview, and of its set-up.
+//! Run time of a doStep of the hydraulic actuator through the C functions, with and without preview, and of its set-up.
 
 use crate::measure::{self, Asked, Pages, digits, heading, timed};
 use linkage_fmu::fmi2::host::{Description, Host};
@@ -7,13 +7,13 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// Step [s], and the number of steps of a run: a retraction of 4 s.
+/// Length of a step [s], and number of steps of a run: a retraction of 4 s.
 const H: f64 = 1e-3;
 const STEPS: u32 = 4000;
-/// Runs of which each part of [`PART`] steps counts where it was fastest.
+/// Number of runs; each part of [`PART`] steps counts with its fastest run.
 const RUNS: u32 = 20;
 const PART: u32 = 100;
-/// Instantiations of which the fastest counts.
+/// Number of instantiations; the fastest counts.
 const SETUPS: u32 = 300;
 
 /// One use of the actuator.
@@ -24,7 +24,7 @@ struct Use {
     mass: f64,
     /// Outputs that are read before each step.
     reads: &'static [&'static str],
-    /// Most time of a step [us].
+    /// Limit of the time of a step [us].
     most: f64,
 }
 
@@ -47,7 +47,7 @@ fn ok(status: Status, what: &str, host: &Host) -> Result<(), String> {
     }
 }
 
-/// The table in Markdown and CSV.
+/// The table as Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let description = Description::read(&descriptions.join("HydraulicActuator"))?;
     let (mut rows, mut csv, mut figures) = (heading(&["use", "step [us]"]), String::from("use,step_us\n"), Vec::new());
@@ -71,7 +71,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(Pages { page, csv })
 }
 
-/// A run; the time of each part [s] goes into `least` if it is the least.
+/// A run; keeps the time of each part [s] in `least` if it is less.
 fn run(host: &Host, scene: &Use, least: &mut [f64]) -> Result<(), String> {
     ok(host.set_item("coupling.mode", scene.mode), "coupling.mode", host)?;
     for (name, value) in [

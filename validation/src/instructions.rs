@@ -1,7 +1,7 @@
-//! Instructions by scene, counted by callgrind: figures that repeat on any machine with the same compiler.
+//! Instructions per scene, counted by callgrind: reproducible on every machine with the same compiler.
 //!
-//! A count is the difference of two runs of this program that differ in the number of repetitions only, so that neither
-//! set-up nor the program's start is in it.
+//! A count is the difference of two runs of this program that differ in the number of repetitions only, so that it
+//! contains neither set-up nor program start.
 
 use crate::callgrind::difference;
 use crate::gear::Gear;
@@ -12,18 +12,19 @@ use std::fmt::Write;
 use std::path::Path;
 use std::process::Command;
 
-/// Argument of this program that asks for one scene, repeated.
+/// Argument of this program for the repetition of one scene.
 pub const REPEAT: &str = "repeat";
 /// Tolerance of all runs.
 const TOLERANCE: f64 = 1e-9;
-/// What is counted in place of a retraction: fmi2Reset and all calls up to the first doStep.
+/// Counted instead of a retraction: fmi2Reset and all calls up to the first doStep.
 const RESET: &str = "reset";
-/// Repetitions of the run that is subtracted: tables that are made when first asked for are made in it.
+/// Repetitions of the run that is subtracted, in which tables are built on first use.
 const FEW: u32 = 1;
-/// doSteps in the further repetitions together, unless one has more; greatest number of these.
+/// Total number of doSteps of the additional repetitions, unless one repetition has more; greatest number of
+/// repetitions.
 const FURTHER: u32 = 6500;
 const MOST: u32 = 200;
-/// Scenes of doSteps: the word for them, what is called after a step.
+/// Scenes of doSteps: name, and calls after a step.
 const READS: [(&str, &[After]); 7] = [
     ("nothing", &[]),
     ("motion", &[After::Motion]),
@@ -33,10 +34,10 @@ const READS: [(&str, &[After]); 7] = [
     ("changed_force", &[After::Force, After::Reactions]),
     ("serialised", &[After::Serialised]),
 ];
-/// doSteps in a retraction: of 0.13 s, 10 ms, 1 ms and 10 us.
+/// Number of doSteps in a retraction: of 0.13 s, 10 ms, 1 ms and 10 us.
 const COUNTS: [u32; 4] = [1, 13, 130, 13_000];
 
-/// The table in Markdown and CSV; none where there is no callgrind.
+/// The table as Markdown and CSV; None without callgrind.
 pub fn table() -> Result<Option<Pages>, String> {
     if !Command::new("valgrind").arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Ok(None);
@@ -81,7 +82,7 @@ pub fn table() -> Result<Option<Pages>, String> {
     Ok(Some(Pages { page: words + &rows, csv }))
 }
 
-/// The row of a scene with what is read: instructions of a step, by step size.
+/// The row of a scene with its calls: instructions of a step, by step size.
 fn row(title: &str, (scene, reads): (&str, &str), csv: &mut String) -> Result<String, String> {
     let mut row = format!("| {title} |");
     for steps in COUNTS {
@@ -100,7 +101,7 @@ fn instructions(scene: &str, reads: &str, steps: u32) -> Result<f64, String> {
     difference(|repetitions| words(repetitions).collect(), FEW, FEW + further)
 }
 
-/// Run one scene: its name, `scene` or what is read, doSteps in a retraction, repetitions.
+/// Run one scene: its name, `scene` or the calls after a step, number of doSteps in a retraction, repetitions.
 pub fn repeat(descriptions: &Path, words: [&str; 4]) -> Result<(), String> {
     let [name, reads, steps, repetitions] = words;
     let number = |word: &str| word.parse::<u32>().map_err(|e| format!("{word}: {e}"));

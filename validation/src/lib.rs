@@ -1,4 +1,4 @@
-//! Benchmarks: run time against error, on scenes with exact references. Writes its tables beside this package.
+//! Benchmarks: run time over error, on scenes with exact references. Writes its tables next to this package.
 /// Text of an example.
 macro_rules! example {
     ($name:literal) => {
@@ -35,10 +35,10 @@ use fmu_build::workspace::Workspace;
 use measure::Pages;
 use std::path::Path;
 
-/// Run the benchmarks that the command line names.
+/// Run the benchmarks named on the command line.
 ///
 /// # Errors
-/// The arguments are none of these, a call is refused, a scene fails, or a file cannot be written.
+/// Unknown arguments, a call that returns an error, a failed scene, or a file that cannot be written.
 pub fn run(arguments: &[&str]) -> Result<(), String> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let (results, descriptions) = (root.join("results"), root.join("../modelDescription"));
@@ -66,7 +66,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
     }
 }
 
-/// Name of a page, and what measures it, given the folder of the mechanisms.
+/// Name of a page, and the function that measures it for a folder of mechanisms.
 type Table = (&'static str, fn(&Path) -> Result<Pages, String>);
 
 /// The tables of run times.
@@ -98,7 +98,7 @@ fn count(results: &Path) -> Result<(), String> {
     }
 }
 
-/// The coupling host on an FMU of another exporter.
+/// The coupling host with an FMU of another exporter.
 fn foreign(file: &Path) -> Result<(), String> {
     let name = file.file_stem().ok_or_else(|| format!("{}: no FMU", file.display()))?;
     let fmu = cosim::fmus::Fmu::open(file, &Workspace::locate().target("cosim").join(name))?;
@@ -106,8 +106,8 @@ fn foreign(file: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// Couple the packed FMUs by every scheme; with `circuit`, the gear's FMU and the circuit in plain numbers. The page is
-/// written with `--write`.
+/// Couple the packed FMUs with every scheme; with `circuit`, the gear's FMU and the circuit in plain numbers. With
+/// `--write`, write the page.
 fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
     if let Some(word) = words.iter().find(|word| !["--write", "circuit"].contains(word)) {
         return Err(format!("cosim {word}: no such word; `circuit` and `--write` are"));

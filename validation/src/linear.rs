@@ -1,6 +1,6 @@
-//! Small dense systems by Gauss with pivots.
+//! Small dense systems by Gaussian elimination with pivoting.
 
-/// The leading rows and columns of a matrix in LU factors, with the order of its rows.
+/// The leading rows and columns of a matrix as LU factors, with the order of its rows.
 pub struct Factors<const N: usize> {
     matrix: [[f64; N]; N],
     order: [usize; N],

@@ -1,16 +1,16 @@
-//! What the pages of the benchmarks share: reading, setting and timing a model, figures asked beside figures measured,
-//! and the machine they were measured on.
+//! Common functions of the benchmarks: read, set and time a model; required and measured values; the machine of the
+//! measurement.
 use linkage_fmu::mechanism::{Model, ModelError};
 use linkage_fmu::simulation::Settable;
 use std::fmt::Display;
 use std::path::Path;
 use std::time::Instant;
 
-/// What one benchmark writes: Markdown to read, CSV to draw.
+/// Output of one benchmark: Markdown to read, CSV to draw.
 pub struct Pages {
     /// Markdown.
     pub page: String,
-    /// CSV, with a heading; empty if nothing is drawn from it.
+    /// CSV with a heading; empty if no figure uses it.
     pub csv: String,
 }
 
@@ -20,7 +20,7 @@ pub fn mechanism(folder: &Path) -> Result<String, String> {
     std::fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// Present value of an output; NaN, which no limit holds, where it does not exist.
+/// Present value of an output; NaN, which fails every limit, if it is undefined.
 pub fn output(model: &mut Model, name: &str) -> Result<f64, ModelError> {
     let reference = model.variables().find(name).unwrap_or_default();
     model.real(reference)
@@ -32,8 +32,7 @@ pub fn set(model: &mut Model, name: &str, value: impl Settable) -> Result<(), Mo
     value.set(model, reference)
 }
 
-/// Call, and keep the time [s] in `least` if it is the least; what the call gave is dropped after the clock has
-/// stopped.
+/// Make a call and keep its time [s] in `least` if it is less. The result is dropped after the time is taken.
 pub fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
     let began = Instant::now();
     let given = std::hint::black_box(call());
@@ -41,12 +40,12 @@ pub fn timed<T>(least: &mut f64, call: impl FnOnce() -> T) -> T {
     given
 }
 
-/// Head of a table in Markdown.
+/// Heading of a table in Markdown.
 pub fn heading(columns: &[&str]) -> String {
     format!("| {} |\n|{}\n", columns.join(" | "), "---|".repeat(columns.len()))
 }
 
-/// One figure with its limit.
+/// A measured value with its limit.
 pub struct Asked {
     what: String,
     unit: &'static str,
@@ -56,7 +55,7 @@ pub struct Asked {
 }
 
 impl Asked {
-    /// At most `limit`; the unit has its own blank.
+    /// At most `limit`; `unit` includes its blank.
     pub fn at_most(what: impl Into<String>, measured: f64, limit: f64, unit: &'static str) -> Self {
         Self { what: what.into(), unit, measured, limit, at_least: false }
     }
@@ -78,7 +77,7 @@ impl Asked {
     }
 }
 
-/// Three digits or so, without an exponent.
+/// About three digits, without an exponent.
 pub fn digits(value: f64) -> String {
     match value.abs() {
         size if size < 10.0 => format!("{value:.2}"),
@@ -87,13 +86,13 @@ pub fn digits(value: f64) -> String {
     }
 }
 
-/// The table of figures asked.
+/// The table of limits and measured values.
 pub fn asked(figures: &[Asked]) -> String {
     let head = String::from("| figure | asked | measured | |\n|---|---|---|---|\n");
     head + &figures.iter().map(Asked::line).collect::<String>() + "\n"
 }
 
-/// Words of a page, or of a part of one, from `pages.md`: its paragraphs, each in one line, with values filled in.
+/// The text of a page or of a part of one, from `pages.md`: its paragraphs, each in one line, with values inserted.
 pub fn page(name: &str, values: &[(&str, &dyn Display)]) -> String {
     let texts = include_str!("pages.md").split("<!-- ");
     let text = texts.filter_map(|text| text.strip_prefix(name)?.strip_prefix(" -->\n")).next().unwrap_or_default();

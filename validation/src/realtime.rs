@@ -1,4 +1,4 @@
-//! The slowest step of a run: what real time has to wait for, with `solver.prepare` and without.
+//! The slowest step of a run, which limits real-time use, with and without `solver.prepare`.
 use crate::measure::{self, Pages, digits, heading};
 use fmu_build::workspace::{MECHANISM, Workspace};
 use linkage_fmu::mechanism::{Model, ModelError};
@@ -7,14 +7,14 @@ use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// New instances of which each step counts where it was fastest, and steps of each: with all outputs read after each
-/// step, and over a long run without.
+/// Numbers of new instances, of which the fastest counts for each step, and numbers of steps: with all outputs read
+/// after each step, and over a long run without outputs.
 const RUNS: [usize; 2] = [10, 2];
 const STEPS: [usize; 2] = [3000, 1_000_000];
 /// Length of a step [s].
 const STEP: f64 = 1e-3;
 
-/// The table in Markdown and CSV.
+/// The table as Markdown and CSV.
 pub fn table(_: &Path) -> Result<Pages, String> {
     let [runs, long_runs, steps, long] = [RUNS[0], RUNS[1], STEPS[0], STEPS[1]].map(|count| count.to_string());
     let mut page =
@@ -46,14 +46,14 @@ pub fn table(_: &Path) -> Result<Pages, String> {
     Ok(Pages { page: page + &whole, csv })
 }
 
-/// Least times [s] of one run among several, part by part.
+/// Least times [s] of the parts of one run over several runs.
 struct Run {
     start: f64,
     steps: Vec<f64>,
     reads: Vec<f64>,
 }
 
-/// Median and largest of some times [us], and where the largest is.
+/// Median and largest of some times [us], and the index of the largest.
 struct Spread {
     median: f64,
     largest: f64,
@@ -75,7 +75,7 @@ impl Spread {
     }
 }
 
-/// All outputs are read after each step but in a long run, and the run ends with the first step that cannot be made.
+/// All outputs are read after each step except in a long run. The run ends with the first step that returns an error.
 fn least(text: &str, prepare: bool, is_long: bool) -> Result<Run, ModelError> {
     let [runs, steps] = [RUNS, STEPS].map(|counts| counts[usize::from(is_long)]);
     let mut least = Run { start: f64::INFINITY, steps: vec![f64::INFINITY; steps], reads: vec![f64::INFINITY; steps] };

@@ -1,23 +1,23 @@
-//! Scene S1 by rigid-link finite elements: order of the step, elastic limit, energy and run time.
+//! Scene S1 by rigid-link finite elements: order of the method, elastic limit, energy and run time.
 use crate::measure::{self, Pages, heading, timed};
 use crate::scene::SPAN;
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Runs of which the fastest counts.
+/// Number of runs; the fastest counts.
 const RUNS: usize = 3;
-/// Steps whose limit stands for the elastic gear's exact motion [s].
+/// Steps from which the exact motion of the elastic gear is extrapolated [s].
 const FINEST: [f64; 2] = [2e-6, 1e-6];
 
-/// What one step gives at the end of the span.
+/// Results with one step size at the end of the span.
 struct Point {
     theta: f64,
     drift: f64,
     milliseconds: f64,
 }
 
-/// The table in Markdown.
+/// The table as Markdown.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let text = measure::mechanism(&descriptions.join("LandingGearRetraction"))?;
     let report = Model::from_json(&text).and_then(|mut model| report(&mut model));
@@ -59,11 +59,11 @@ fn report(model: &mut Model) -> Result<String, ModelError> {
     Ok(out)
 }
 
-/// By finite elements, E A times `factor`.
+/// Result by finite elements with E A times `factor`.
 fn elastic(model: &mut Model, factor: f64, fem_step: f64) -> Result<Point, ModelError> {
     model.reset();
     measure::set(model, "solver.fem_step", fem_step)?;
-    // More substeps in one step than a host would wait for.
+    // More substeps than a host would accept in one step.
     measure::set(model, "solver.max_steps", 1e9)?;
     for name in ["crank.axial_stiffness", "coupler.axial_stiffness", "follower.axial_stiffness"] {
         let stated = measure::output(model, name)?;

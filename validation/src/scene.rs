@@ -6,7 +6,7 @@ use linkage_fmu::mechanism::{Model, ModelError, Statistics};
 /// Duration of a retraction, scene S1 [s].
 pub const SPAN: f64 = 0.13;
 
-/// The input that is set, and along which derivatives are taken.
+/// The input that is set, and the known of directional derivatives.
 pub const KNOWN: &str = "actuator.force";
 
 /// A host's calls after a step.
@@ -14,15 +14,15 @@ pub const KNOWN: &str = "actuator.force";
 pub enum After {
     /// Three fmi2GetReal: crank.angle, crank.speed, crank.acceleration.
     Motion,
-    /// One fmi2GetReal: the sizes of the four reactions.
+    /// One fmi2GetReal: the magnitudes of the four reactions.
     Reactions,
-    /// Four fmi2GetReal: the same, one by one.
+    /// Four fmi2GetReal: the same, one call each.
     EachReaction,
-    /// One fmi2GetDirectionalDerivative: four outputs along one input.
+    /// One fmi2GetDirectionalDerivative: four outputs with respect to one input.
     Derivatives,
-    /// One fmi2SetReal: the force, to one unit of its last place more and less in turn.
+    /// One fmi2SetReal: the force, changed by a unit in the last place up and down in turn.
     Force,
-    /// fmi2GetFMUstate and fmi2SetFMUstate of the same state.
+    /// fmi2GetFMUstate and fmi2SetFMUstate with the same state.
     State,
     /// One fmi2GetReal: all outputs.
     Outputs,
@@ -30,22 +30,22 @@ pub enum After {
     Serialised,
 }
 
-/// Force of the actuator after so many steps in which [`After::Force`] is called [N].
+/// Force of the actuator after this number of steps with [`After::Force`] [N].
 pub fn force(steps: u32) -> f64 {
     if steps.is_multiple_of(2) { 30_000.0 } else { 30_000.0_f64.next_up() }
 }
 
-/// Settings that differ from the default, and calls.
+/// Settings that differ from the defaults, and calls.
 pub struct Scene {
-    /// Word for the command line and for CSV.
+    /// Name for the command line and for CSV.
     pub name: &'static str,
     /// Folder of the mechanism.
     pub mechanism: &'static str,
-    /// Words for a table.
+    /// Title for a table.
     pub title: &'static str,
     /// Parameters and inputs.
     pub reals: &'static [(&'static str, f64)],
-    /// Switches.
+    /// Booleans.
     pub flags: &'static [(&'static str, bool)],
     /// Calls after each step.
     pub after: &'static [After],
@@ -54,7 +54,7 @@ pub struct Scene {
 const AIR: &[(&str, f64)] = &[("airspeed", 70.0)];
 const BUMPER: &[(&str, f64)] = &[("upstop.angle", -1.1), ("upstop.stiffness", 1e6), ("upstop.damping", 5e3)];
 
-/// The mechanism as it is committed.
+/// The mechanism with all defaults.
 pub const DEFAULT: Scene = Scene {
     name: "default",
     mechanism: "LandingGearRetraction",
@@ -71,7 +71,7 @@ pub const BARE: Scene = Scene {
     ..DEFAULT
 };
 
-/// All scenes; the first is the one the others are compared with.
+/// All scenes; the others are compared with the first.
 pub const SCENES: [Scene; 9] = [
     BARE,
     DEFAULT,
@@ -103,7 +103,7 @@ pub const SCENES: [Scene; 9] = [
     },
 ];
 
-/// The same gear with the motion of its actuator prescribed.
+/// The gear with a prescribed motion of its actuator.
 pub const PRESCRIBED: [Scene; 2] = [
     Scene {
         name: "prescribed",
@@ -116,7 +116,7 @@ pub const PRESCRIBED: [Scene; 2] = [
 ];
 
 impl Scene {
-    /// What the integrator does in `steps` equal steps of the retraction, with what of `after` it feels.
+    /// Work of the integrator in `steps` equal steps of the retraction, with those calls of `after` that affect it.
     pub fn work(&self, text: &str, tolerance: f64, steps: u32, after: &[After]) -> Result<Statistics, ModelError> {
         let mut model = Model::from_json(text)?;
         for &(name, value) in self.reals {

@@ -1,4 +1,5 @@
-//! Cost by scene: a whole retraction through the C functions, in one step and in 130, with what acts and what is read.
+//! Run time by scene: a whole retraction through the C functions, in one step and in 130, with different loads and
+//! outputs.
 
 use crate::gear::Gear;
 use crate::measure::{self, Asked, Pages, digits, heading};
@@ -10,16 +11,16 @@ use std::path::Path;
 
 /// Tolerance of all runs.
 const TOLERANCE: f64 = 1e-9;
-/// Words for a table, doSteps in a retraction, and what is called after each besides.
+/// Title for a table, doSteps in a retraction, and additional calls after each.
 const RUNS_OF: [(&str, u32, &[After]); 3] = [
     ("One doStep of 0.13 s", 1, &[]),
     ("130 doSteps of 1 ms", 130, &[]),
     ("130 doSteps of 1 ms, the force changed after each", 130, &[After::Force]),
 ];
-/// Runs of which the fastest counts.
+/// Number of runs; the fastest counts.
 const RUNS: usize = 400;
 
-/// The table in Markdown and CSV.
+/// The table as Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
@@ -27,20 +28,20 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let mut tables = String::new();
     let mut csv = String::from("scene,steps,inputs,time_us,ratio,evaluations,jacobians,accepted,rejected,methods\n");
     let mut figures = Vec::new();
-    for (title, steps, besides) in RUNS_OF {
-        let inputs = if besides.is_empty() { "constant" } else { "changing" };
+    for (title, steps, further) in RUNS_OF {
+        let inputs = if further.is_empty() { "constant" } else { "changing" };
         let work = ["evaluations", "Jacobians", "steps", "rejected", "steps by method"];
         tables += &format!("## {title}\n\n{}", heading(&[&["scene", "time [us]", "to bare"], &work[..]].concat()));
         let mut times = [f64::INFINITY; SCENES.len()];
         for _ in 0..RUNS {
             for ((time, gear), scene) in times.iter_mut().zip(&mut gears).zip(&SCENES) {
-                let after = [scene.after, besides].concat();
+                let after = [scene.after, further].concat();
                 gear.run(steps, SPAN / f64::from(steps), &after, std::slice::from_mut(time))?;
             }
         }
         let times = times.map(|seconds| seconds * 1e6);
         for (time, scene) in times.iter().zip(&SCENES) {
-            let work = scene.work(&text, TOLERANCE, steps, besides).map_err(|e| format!("{}: {e}", scene.name))?;
+            let work = scene.work(&text, TOLERANCE, steps, further).map_err(|e| format!("{}: {e}", scene.name))?;
             let Statistics { evaluations, jacobians, accepted, rejected, .. } = work;
             let (ratio, methods) = (time / times[0], methods(work));
             let _ = writeln!(
@@ -67,7 +68,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     Ok(Pages { page, csv })
 }
 
-/// Accepted steps of each method that took any.
+/// Accepted steps of each method that was used.
 fn methods(work: Statistics) -> String {
     let names = [
         ("RKN", Method::Rkn86),

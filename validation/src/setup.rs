@@ -1,5 +1,5 @@
-//! Set-up: what it costs to read a mechanism, trace its curve and build the tables that a first step needs, what a
-//! changed parameter costs, and a whole life through the C functions.
+//! Set-up: the time to read a mechanism, trace its curve and build the tables for a first step, the time after a
+//! parameter change, and that of an instance's whole life through the C functions.
 use crate::gear::{Gear, LAST, live};
 use crate::measure::{self, Pages, heading, timed};
 use crate::scene::{DEFAULT, SCENES, SPAN};
@@ -16,18 +16,18 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Runs of which the fastest counts, and those of the longest mechanism.
+/// Numbers of runs, of which the fastest counts, in general and for the longest mechanism.
 const RUNS: usize = 100;
 const LONG_RUNS: usize = 10;
-/// Tolerance of runs by reset.
+/// Tolerance of runs after fmi2Reset.
 const TOLERANCE: f64 = 1e-9;
 
-/// The tables in Markdown.
+/// The tables as Markdown.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let mut page = measure::page("setup", &[("runs", &RUNS), ("long_runs", &LONG_RUNS)]);
     page += &heading(&["mechanism", "read", "variables", "curve", "tables", "all", "first step"]);
     for folder in Workspace::locate().description_folders().map_err(|e| format!("{e:#}"))? {
-        // Other kinds of model trace no curve.
+        // Other kinds of models have no curve.
         if !folder.join("resources").join(MECHANISM).is_file() {
             continue;
         }
@@ -72,10 +72,10 @@ const GEARS: &str = r#"{ "name": "Shafts",
     "torques": { "motor": { "on": "one", "torque": 3 } },
     "start": { "body": "one", "angle": 0.4, "speed": 0 }, "guess": { "one": 0.4, "two": 1.1 } }"#;
 
-/// A parameter, and what is built again when it changes.
+/// A parameter, and what its change rebuilds.
 type Change = (&'static str, &'static str);
 
-/// What it costs to initialise a mechanism again after a parameter has changed.
+/// Time to initialise a mechanism again after a parameter change.
 fn changes(out: &mut String, descriptions: &Path) -> Result<(), String> {
     *out += &format!("\n{}", measure::page("changes", &[]));
     *out += &heading(&["mechanism", "parameter", "what is built again", "time"]);
@@ -118,17 +118,17 @@ fn change(text: &str, name: &str) -> Result<f64, ModelError> {
     let stated = model.real(reference)?;
     let mut least = f64::INFINITY;
     for run in 0..RUNS {
-        // Another one each time: what a value has built is kept for some time.
+        // A new value each time, as results for recent values are cached.
         let value = stated + 1e-6 * (1 + run) as f64;
         timed(&mut least, || model.set_real(reference, value).and_then(|()| model.initialize()))?;
     }
     Ok(least)
 }
 
-/// The calls from fmi2Reset up to the first doStep of a run with this number.
+/// The calls from fmi2Reset up to the first doStep of the run with this number.
 type Restart<'a> = &'a dyn Fn(usize) -> Result<(), String>;
 
-/// What a run by fmi2Reset costs before its first doStep.
+/// Time from fmi2Reset to the first doStep.
 fn resets(out: &mut String, folder: &Path) -> Result<(), String> {
     *out += &format!("\n{}", measure::page("resets", &[]));
     *out += &heading(&["set after the reset", "up to the first step", "with the step"]);
@@ -156,7 +156,7 @@ fn resets(out: &mut String, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// A whole life through the C functions, with the tables that an FMU carries and without.
+/// Time of an instance's whole life through the C functions, with and without the FMU's stored tables.
 fn life(out: &mut String, folder: &Path) -> Result<(), String> {
     let text = measure::mechanism(folder)?;
     let packed = TempDir::new("life")?;
@@ -187,7 +187,7 @@ fn life(out: &mut String, folder: &Path) -> Result<(), String> {
     Ok(())
 }
 
-/// A folder that vanishes with this value.
+/// A folder that is deleted with this value.
 struct TempDir(PathBuf);
 
 impl TempDir {

@@ -1,4 +1,4 @@
-//! Cost of one doStep through the C functions: step size, tolerance, what is read after it.
+//! Run time of one doStep through the C functions, by step size, tolerance and outputs read after it.
 
 use crate::gear::Gear;
 use crate::measure::{self, Asked, Pages, digits, heading};
@@ -9,13 +9,13 @@ use std::path::Path;
 const SIZES: [u32; 4] = [10, 100, 1000, 10_000];
 /// Exponents of the tolerances.
 const TOLERANCES: [i32; 3] = [6, 9, 12];
-/// What is called after a step, in the order of the columns.
+/// Calls after a step, in the order of the columns.
 const READS: [&[After]; 5] = [&[], &[After::Motion], &[After::Reactions], &[After::EachReaction], &[After::State]];
-/// Least number of runs of which the fastest counts, and the number of steps that all runs together have at least.
+/// Least number of runs, of which the fastest counts, and least total number of steps.
 const RUNS: u32 = 60;
 const STEPS: u32 = 200_000;
 
-/// Steps in a part of a run; the fastest of each part counts, so that an interruption spoils a part only.
+/// Steps in a part of a run. The fastest of each part counts, so that an interruption affects one part only.
 const PART: u32 = 130;
 
 /// Times of one step [ns], in the order of `READS`, and evaluations in it.
@@ -26,7 +26,7 @@ struct Row {
     evaluations: f64,
 }
 
-/// The table in Markdown and CSV.
+/// The table as Markdown and CSV.
 pub fn table(descriptions: &Path) -> Result<Pages, String> {
     let folder = &descriptions.join("LandingGearRetraction");
     let text = measure::mechanism(folder)?;
@@ -84,7 +84,7 @@ impl Row {
         format!("{scene},{micros},1e-{tolerance},{step},{motion},{reactions},{each},{state},{evaluations:.3}\n")
     }
 
-    /// What was asked of this row, at a tolerance of 1e-9.
+    /// Add the limits for this row, at a tolerance of 1e-9.
     fn figures(&self, figures: &mut Vec<Asked>, stops: &str) {
         let [step, motion, reactions, each, state] = self.times;
         match (self.tolerance, self.micros) {

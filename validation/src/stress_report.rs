@@ -1,21 +1,21 @@
-//! `stress`: all scenes, told as they come, and written as a table.
+//! `stress`: all scenes, printed when complete, and written as a table.
 use crate::measure::{heading, processor};
 use crate::stress::{self, Outcome, Row, Verdict};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::Instant;
 
-/// What the columns mean, and where the bounds come from.
+/// Meaning of the columns, and derivation of the bounds.
 const HEAD: &str = include_str!("stress_report.md");
 const THREADS: usize = 2;
 
-/// Run, print, write `stress.csv` and `stress.md`; of some groups only, if any are named: then nothing is written.
+/// Run, print, and write `stress.csv` and `stress.md`; with some groups named, run only those and write nothing.
 pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let mut scenes = stress::all();
     scenes.retain(|scene| groups.is_empty() || groups.contains(&scene.group));
     let began = Instant::now();
-    let tell = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
-    let outcomes = stress::judge(&scenes, THREADS, &tell);
+    let report = |place: usize, outcome: &Outcome| println!("{}", line(&scenes[place], outcome, ", "));
+    let outcomes = stress::judge(&scenes, THREADS, &report);
     let seconds = began.elapsed().as_secs_f64();
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
     let [holds, refused, fails] = [Verdict::Holds, Verdict::Refused, Verdict::Fails].map(count);
@@ -50,7 +50,7 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     if fails > 0 { Err(format!("{fails} scenes fail")) } else { Ok(()) }
 }
 
-/// Columns of a row; in the CSV the group stands before them.
+/// Columns of a row; in the CSV preceded by the group.
 const COLUMNS: &str =
     "mechanism,scene,tolerance,error,bound,drift [J],bound [J],steps,evaluations,rejected,CPU [ms],verdict,why";
 

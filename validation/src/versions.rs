@@ -1,7 +1,7 @@
-//! Instructions of the calls of FMI 3.0 beside those of FMI 2.0, counted by callgrind.
+//! Instructions of the calls of FMI 3.0 compared with those of FMI 2.0, counted by callgrind.
 //!
-//! In: the landing gear. Out: for each call of the table its count in each version. An instance of each version is
-//! driven through the same calls.
+//! In: the landing gear. Out: for each call of the table its count in each version. An instance of each version gets
+//! the same calls.
 
 use crate::callgrind::difference;
 use crate::host::{Host, OK};
@@ -13,16 +13,16 @@ use std::fmt::Write;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Argument of this program that asks for one call in one version, repeated.
+/// Argument of this program for the repetition of one call in one version.
 pub const CALLS: &str = "calls";
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-9;
-/// Steps of 1 ms in a retraction; calls in a repetition.
+/// Steps of 1 ms in a retraction, and calls in a repetition.
 const STEPS: u32 = 130;
-/// Repetitions of the two runs whose difference counts.
+/// Repetitions of the two runs whose difference is used.
 const REPETITIONS: [u32; 2] = [1, 51];
 
-/// The outputs that are read: the first alone, and all ten.
+/// The outputs: the first alone, and all ten.
 const OUTPUTS: [&str; 10] = [
     "crank.angle",
     "crank.speed",
@@ -35,7 +35,7 @@ const OUTPUTS: [&str; 10] = [
     "joint3.force",
     "joint4.force",
 ];
-/// The Real inputs; for ten values the first two are set twice.
+/// The Real inputs; ten values set the first two twice.
 const INPUTS: [&str; 10] = [
     "actuator.force",
     "load_factor",
@@ -57,7 +57,7 @@ enum Call {
     Set(usize),
 }
 
-/// The calls, each with its word for the command line and its words for the table.
+/// The calls, each with its name for the command line and its title for the table.
 const ROWS: [(&str, &str, Call); 5] = [
     ("step", "doStep of 1 ms", Call::Step),
     ("get1", "get, one value", Call::Get(1)),
@@ -65,10 +65,10 @@ const ROWS: [(&str, &str, Call); 5] = [
     ("set1", "set, one value", Call::Set(1)),
     ("set10", "set, ten values", Call::Set(10)),
 ];
-/// The versions, with their words for the command line: FMI 2.0, FMI 3.0, and FMI 3.0 with event mode and early return.
+/// The versions, with their names for the command line: FMI 2.0, FMI 3.0, and FMI 3.0 with event mode and early return.
 const VERSIONS: [(&str, &str); 3] = [("2", "FMI 2.0"), ("3", "FMI 3.0"), ("3e", "FMI 3.0 with event mode")];
 
-/// The table in Markdown, and its rows for the CSV.
+/// The table as Markdown, and its rows for the CSV.
 pub fn table() -> Result<(String, String), String> {
     let mut page = format!("\n{}", measure::page("versions", &[]));
     page += &heading(&["call", VERSIONS[0].1, VERSIONS[1].1, "to FMI 2.0", VERSIONS[2].1, "to FMI 2.0"]);
@@ -94,7 +94,7 @@ pub fn table() -> Result<(String, String), String> {
     Ok((page, csv))
 }
 
-/// Repeat one call: the word of a version, that of a call, and how many times a retraction's worth of them.
+/// Repeat one call: name of a version, name of a call, and number of repetitions of a retraction's worth of calls.
 pub fn repeat(folder: &Path, words: [&str; 3]) -> Result<(), String> {
     let [version, call, repetitions] = words;
     let (.., call) = *ROWS.iter().find(|(word, ..)| *word == call).ok_or_else(|| format!("no call {call}"))?;

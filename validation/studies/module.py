@@ -1,8 +1,8 @@
-"""What runs and steps of the landing gear cost from Python: by the module, by FMPy with the FMU, by MuJoCo and EXUDYN.
+"""Times of runs and steps of the landing gear from Python: the module, FMPy with the FMU, MuJoCo and EXUDYN.
 
 usage: module.py --fmu FMU --out PAGE
 
-Each time is the least of many in this process, as a busy machine makes a call dearer and never cheaper.
+Each time is the least of many in this process, as other load on the machine only lengthens a call.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ INPUTS = ["actuator.force", "load_factor", "airspeed", "wheel.force_x"]
 VALUES = [30000.0, 3.0, 0.0, 0.0]
 ROWS_OF_RUN = round(STOP / INTERVAL)
 SCENE = landing_gear()
-"""The same gear without its stop, which it does not reach in a run."""
+"""The gear without its stop, which it does not reach in a run."""
 
 
 def least(call: Callable[[], object], seconds: float = 2.0) -> float:
@@ -140,7 +140,8 @@ def by_fmpy(fmu: Path) -> dict[str, float]:
 
 
 def by_mujoco() -> dict[str, float]:
-    """Steps of 1 ms by RK4; a run by rollout, which loops in C. Six outputs are the state, two those of a tendon."""
+    """Steps of 1 ms with RK4; a run with rollout, which loops in C. Of the outputs, six are the state and two those of
+    a tendon."""
     text = definition(SCENE, "RK4", INTERVAL, (2.0 * INTERVAL, 1.0))
     sensors = '<sensor><tendonpos tendon="t0"/><tendonvel tendon="t0"/></sensor></mujoco>'
     model = mujoco.MjModel.from_xml_string(text.replace("</mujoco>", sensors))
@@ -172,7 +173,7 @@ def by_mujoco() -> dict[str, float]:
     error = abs(SCENE.start + states[0, -1, 1] - SCENE.exact)
     times = {"simulate": least(simulate), "run": least(run)}
     run()
-    # Under a step repeated for seconds the gear would pass its toggle: of each 100 steps the first begins anew.
+    # In a step repeated for seconds the gear would pass its toggle: the state is reset every 100 steps.
     made = 0
 
     def steps() -> None:
@@ -186,7 +187,7 @@ def by_mujoco() -> dict[str, float]:
 
 
 def by_exudyn() -> dict[str, float]:
-    """Steps of 1 ms by its trapezoidal rule of index 2; outputs by sensors that keep their values."""
+    """Steps of 1 ms with the trapezoidal rule of index 2; outputs by sensors that store their values."""
     exudyn.config.printToConsole = False
     peer = exudyn_peer.Model(SCENE)
     system, solver = peer.system, exudyn.DynamicSolverType.TrapezoidalIndex2

@@ -31,52 +31,52 @@ from fmpy.fmi2 import FMU2Slave
 
 FORCES, LOADS = (28e3, 40e3), (1.0, 3.0)
 STOP = 0.3
-"""Longer than any of the runs [s]."""
+"""Longer than every run [s]."""
 OUTPUT = "upstop.impact_time"
 SEED = 1
 CHUNKS = 10
-"""Parts of the bag, as FMPy's example has it."""
+"""Number of partitions of the bag, as in FMPy's example."""
 STEPS = 20
-"""Of MuJoCo over a run: RK4, a time constant of two steps; an error of 2e-7 rad (validation/results/peers.csv)."""
+"""MuJoCo's steps in a run: RK4, a time constant of two steps; an error of 2e-7 rad (validation/results/peers.csv)."""
 
 SLOWER = (0.9, 1.0)
 """Range of the actuator's force with MuJoCo, relative to 30 kN."""
 TURNED = (-2.1, -1.4)
-"""Range in which the crank of such a run must turn in all [rad]."""
+"""Total angle by which the crank of such a run must turn [rad]."""
 
 LOOK = 0.005
-"""Time between two looks at the memory of a process [s]."""
+"""Time between two readings of the memory of a process [s]."""
 
 Points = np.ndarray
 
 
 def points(count: int) -> Points:
-    """Forces and load factors."""
+    """Random forces and load factors."""
     return np.random.default_rng(SEED).uniform(*zip(FORCES, LOADS, strict=True), size=(count, 2))
 
 
 @dataclass(frozen=True)
 class Way:
-    """A way to make runs, and two numbers of them."""
+    """A way to execute runs, with two numbers of runs."""
 
     name: str
     run: Callable[[int], None]
     few: int
     many: int
     times: int = 1
-    """How often it is measured; the least counts."""
+    """Number of measurements; the least counts."""
 
 
 def spent() -> float:
-    """CPU time of this process and of those that have ended below it [s]."""
+    """CPU time of this process and of its finished child processes [s]."""
     both = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(usage.ru_utime + usage.ru_stime for usage in both)
 
 
 def cost(way: Way) -> tuple[float, float]:
-    """CPU time and time of a run [s]: the least of several, as a busy machine makes a run dearer and never cheaper."""
+    """CPU time and elapsed time of a run [s]: the least of several, as other load on a machine only lengthens runs."""
     measured = {way.few: [], way.many: []}
-    # The first time files are read and compiled that later ones find.
+    # The first call reads and compiles files that later calls find in the caches.
     way.run(way.few)
     for _ in range(way.times):
         for count, all_ in measured.items():
@@ -91,9 +91,9 @@ def cost(way: Way) -> tuple[float, float]:
 
 
 TIME = {"met": {"event": "retracted"}}
-"""What is asked of a run: given by the energy integral alone."""
+"""Outputs of a run that the energy integral alone gives."""
 BY_STEPS = TIME | {"other": {"event": "extended"}}
-"""The same, and an event that the energy integral does not give, so that runs are made step by step."""
+"""The same outputs and an event that the energy integral does not give, so that runs advance by steps."""
 FORCE_AND_LOAD = {"actuator.force": {"uniform": FORCES}, "load_factor": {"uniform": LOADS}}
 """Factors of the runs."""
 
@@ -127,7 +127,7 @@ class Native:
         shutil.rmtree(out, ignore_errors=True)
         command = [str(self.program), "sweep", str(path), "--out", str(out), *self.options]
         process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        # The usage that is told of a process at its end counts this one's memory, of which it is a copy at first.
+        # At its end, the resource usage of a process includes the memory of this one, of which it starts as a copy.
         state = Path("/proc", str(process.pid), "status")
         self.memory = 0
         while process.poll() is None:
@@ -140,7 +140,7 @@ class Native:
 
 
 def in_a_loop(fmu: str) -> Callable[[int], None]:
-    """`fmpy.simulate_fmu` with a file, as the first page of FMPy's documentation has it."""
+    """`fmpy.simulate_fmu` with a file, as on the first page of FMPy's documentation."""
 
     def run(count: int) -> None:
         for force, load in points(count):
@@ -151,7 +151,7 @@ def in_a_loop(fmu: str) -> Callable[[int], None]:
 
 
 def in_an_efficient_loop(fmu: str) -> Callable[[int], None]:
-    """`fmpy.simulate_fmu` with what it needs made once, as FMPy's example efficient_loops has it."""
+    """`fmpy.simulate_fmu` with the objects it needs created once, as in FMPy's example efficient_loops."""
     folder = fmpy.extract(fmu)
     description = fmpy.read_model_description(folder)
     instance = fmpy.instantiate_fmu(unzipdir=folder, model_description=description)
@@ -173,10 +173,10 @@ def in_an_efficient_loop(fmu: str) -> Callable[[int], None]:
 
 
 def part_of_the_bag(part: list[tuple[float, float]], arguments: dict, start: list[int], result: list[int]) -> list:
-    """Runs of one part: FMPy's example parameter_variation with one step instead of many."""
+    """Runs of one partition: FMPy's example parameter_variation with one step instead of many."""
     fmu = FMU2Slave(**arguments)
     fmu.instantiate()
-    told = []
+    times = []
     for force, load in part:
         fmu.reset()
         fmu.setupExperiment()
@@ -184,14 +184,14 @@ def part_of_the_bag(part: list[tuple[float, float]], arguments: dict, start: lis
         fmu.enterInitializationMode()
         fmu.exitInitializationMode()
         fmu.doStep(currentCommunicationPoint=0.0, communicationStepSize=STOP)
-        told.append(fmu.getReal(result)[0])
+        times.append(fmu.getReal(result)[0])
     fmu.terminate()
     fmu.freeInstance()
-    return told
+    return times
 
 
 def in_a_bag(fmu: str) -> Callable[[int], None]:
-    """FMPy with a bag of Dask, on processes."""
+    """FMPy with a bag of Dask, in processes."""
     folder = fmpy.extract(fmu)
     description = fmpy.read_model_description(folder)
     references = {variable.name: variable.valueReference for variable in description.modelVariables}
@@ -205,9 +205,9 @@ def in_a_bag(fmu: str) -> Callable[[int], None]:
     def run(count: int) -> None:
         values = [tuple(point) for point in points(count)]
         parts = bag.from_sequence(values, npartitions=CHUNKS)
-        told = parts.map_partitions(part_of_the_bag, arguments, start, result).compute(scheduler="processes")
-        if len(told) != count or min(told) <= 0.0:
-            raise RuntimeError(f"{count} runs were asked for, {len(told)} came, the least time is {min(told)} s")
+        times = parts.map_partitions(part_of_the_bag, arguments, start, result).compute(scheduler="processes")
+        if len(times) != count or min(times) <= 0.0:
+            raise RuntimeError(f"{count} runs were asked for, {len(times)} came, the least time is {min(times)} s")
 
     return run
 
@@ -232,7 +232,7 @@ def mujoco_rollouts() -> Callable[[int], None]:
 
     def run(count: int) -> None:
         # The actuator's force relative to 30 kN, less than in the other ways: without a stop a gear that is up early
-        # goes on to its toggle, where MuJoCo's motion bursts. Gravity belongs to the model and stays.
+        # would continue to its toggle, where MuJoCo's motion diverges. Gravity is part of the model and is not varied.
         controls = np.zeros((count, STEPS, model.nu))
         controls[:, :, 0] = np.random.default_rng(SEED).uniform(*SLOWER, size=count)[:, None]
         states, _ = rollout.rollout(model, data, np.tile(first, (count, 1)), controls)
@@ -244,7 +244,7 @@ def mujoco_rollouts() -> Callable[[int], None]:
 
 
 def ways(arguments: argparse.Namespace) -> Iterator[Way]:
-    """All of them."""
+    """All ways."""
     scale, fmu = arguments.scale, str(arguments.fmu)
 
     def of(count: int) -> int:
@@ -278,7 +278,7 @@ GEOMETRIES = {
 
 
 def figures(arguments: argparse.Namespace) -> Iterator[tuple[str, str, str]]:
-    """What was asked of a study, and what it costs here."""
+    """What is asked of a study, the limit, and the cost measured here."""
     scale = arguments.scale
 
     def of(count: int) -> int:
@@ -287,7 +287,7 @@ def figures(arguments: argparse.Namespace) -> Iterator[tuple[str, str, str]]:
     alone, both = (Native(arguments, "--threads", threads) for threads in ("1", "2"))
     pair = [Way(f"{threads} threads", run, of(1000), of(500_000)) for threads, run in ((1, alone), (2, both))]
     several = [[cost(way) for way in pair] for _ in range(5)]
-    # Each pair is measured in the same minute.
+    # Each pair is measured within the same minute.
     ratios = sorted(one[1] / two[1] for one, two in several)
     dearer = min(two[0] for _, two in several) / min(one[0] for one, _ in several)
     spread = f"{ratios[2]:.3g} times ({ratios[0]:.3g} to {ratios[-1]:.3g})"
@@ -302,12 +302,12 @@ def figures(arguments: argparse.Namespace) -> Iterator[tuple[str, str, str]]:
 
 
 def shown(seconds: float) -> str:
-    """In the unit that suits."""
+    """A time in a suitable unit."""
     return f"{seconds * 1e3:.3g} ms" if seconds >= 1e-3 else f"{seconds * 1e6:.3g} us"
 
 
 def lasting(seconds: float) -> str:
-    """In seconds or hours."""
+    """A duration in seconds or hours."""
     return f"{seconds:.3g} s" if seconds < 3600.0 else f"{seconds / 3600.0:.3g} h"
 
 
@@ -320,7 +320,7 @@ def processor() -> str:
     return next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.machine())
 
 
-def page(rows: list[tuple[Way, float, float]], told: list[tuple[str, str, str]], scale: float) -> str:
+def page(rows: list[tuple[Way, float, float]], further: list[tuple[str, str, str]], scale: float) -> str:
     """The page."""
     versions = ", ".join(f"{name} {version(name)}" for name in ("FMPy", "dask", "distributed", "mujoco", "numpy"))
     native = rows[0][1]
@@ -328,7 +328,7 @@ def page(rows: list[tuple[Way, float, float]], told: list[tuple[str, str, str]],
         f"| {way.name} | {way.many} | {shown(used)} | {used / native:.3g} | {lasting(1e6 * used)} |"
         for way, used, _ in rows
     )
-    more = "\n".join(f"| {what} | {asked} | {measured} |" for what, asked, measured in told)
+    more = "\n".join(f"| {what} | {asked} | {measured} |" for what, asked, measured in further)
     reduced = "" if scale == 1.0 else f"Measured with {scale:g} of the usual numbers of runs.\n\n"
     return f"""# Many runs by several ways
 
@@ -377,11 +377,11 @@ def main() -> None:
         used, passed = cost(way)
         print(f"{way.name}: {shown(used)} of CPU time a run, {shown(passed)} in all", flush=True)
         rows.append((way, used, passed))
-    told = []
+    further = []
     for what, asked, measured in figures(arguments):
         print(f"{what}: {measured}", flush=True)
-        told.append((what, asked, measured))
-    arguments.out.write_text(page(rows, told, arguments.scale), encoding="utf-8")
+        further.append((what, asked, measured))
+    arguments.out.write_text(page(rows, further, arguments.scale), encoding="utf-8")
 
 
 if __name__ == "__main__":

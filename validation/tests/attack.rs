@@ -1,8 +1,8 @@
-//! The standing attack in short: some cases of each part, always the same.
+//! The randomised tests in short: a fixed set of cases of each part.
 
 use validation::attack::{Asked, all};
 
-/// Cases of each part.
+/// Number of cases of each part.
 const CASES: [(&str, u64); 12] = [
     ("histories", 1000),
     ("coupled", 100),
@@ -32,7 +32,7 @@ fn some_cases_of_each_part_hold() {
 }
 
 #[test]
-fn words_that_are_none_are_refused() {
+fn unknown_arguments_are_rejected() {
     for words in [
         &["--minutes"][..],
         &["--minutes", "0"],

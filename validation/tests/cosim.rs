@@ -22,7 +22,7 @@ fn exact(t: f64) -> f64 {
     START / (MASS * omega) * (omega - (-delta * t).exp() * (delta * sin + omega * cos)) / omega2
 }
 
-/// Error of the length at the end of the span, in this many steps.
+/// Error of the length at the end of the span with this number of steps.
 fn error(scheme: &str, steps: u32) -> f64 {
     let (mut mass, mut spring) = (Mass::new(MASS, 0.0, [0.5, 0.0]), Integrated::new(SPRING, [START, 0.0, 0.0, 0.0]));
     let mut pair = Pair::new(&mut mass, &mut spring);
@@ -32,14 +32,14 @@ fn error(scheme: &str, steps: u32) -> f64 {
     mass.state[0] - 0.5 - exact(SPAN)
 }
 
-/// Each scheme's order, at steps where the coupling is stable and the error is above rounding.
+/// Each scheme has its order, at steps where the coupling is stable and the error exceeds rounding.
 #[test]
 fn each_scheme_has_its_order_on_a_mass_on_an_oil_spring() {
     for (scheme, order, steps) in [
         ("Jacobi 0", 1.0, 3200),
         ("NEPCE on it", 1.0, 3200),
         ("Jacobi 1", 2.0, 1600),
-        // The first step holds the force, with an error of h^2.
+        // The first step holds the force, with an error of order h^2.
         ("Jacobi 2", 2.0, 800),
         ("Jacobi rates", 3.0, 400),
         ("Gauss-Seidel 0", 1.0, 1600),
@@ -53,14 +53,14 @@ fn each_scheme_has_its_order_on_a_mass_on_an_oil_spring() {
     ] {
         let errors = [steps, 2 * steps].map(|n| error(scheme, n));
         let seen = (errors[0] / errors[1]).abs().log2();
-        // The parabola's error of order 3 is small beside that of order 4 on this pair.
+        // On this pair the parabola's error of order 3 is small against the error of order 4.
         let most = if scheme.contains("quadratic") { 4.15 } else { order + 0.15 };
         assert!(seen > order - 0.15 && seen < most, "{scheme}: order {seen}, errors {errors:?}");
     }
 }
 
-/// The element model is exact for a constant mass and load: what is foreseen is what happens, at any step. Under a held
-/// force the speed is exact at the end of the step and the length is not.
+/// The element model is exact for a constant mass and load: the prediction is exact for any step. With a held force the
+/// speed at the end of the step is exact, the length is not.
 #[test]
 fn preview_is_exact_for_a_constant_mass() {
     let size = exact(SPAN).abs();
@@ -68,7 +68,7 @@ fn preview_is_exact_for_a_constant_mass() {
     {
         for steps in [5, 20, 100] {
             let error = error(scheme, steps).abs();
-            // Two passes: the force of a step follows from a speed that is a polynomial of degree 4.
+            // In two passes the force of a step follows from a speed that is a polynomial of degree 4.
             let limit = if scheme.contains("two") { 2e-1 * f64::from(steps).powi(-4) } else { 1e-12 };
             // The length itself has the size 0.5 m.
             assert!(error < limit * size + 1e-15, "{scheme}, {steps}: {error:e} of {size:e}");
@@ -78,8 +78,8 @@ fn preview_is_exact_for_a_constant_mass() {
     assert!(((errors[0] / errors[1]).log2() - 2.0).abs() < 0.15, "{errors:?}");
 }
 
-/// Steps at which Jacobi coupling of the linearised pair, frozen at these angles of the crank, is just stable: reduced
-/// mass [kg], stiffness [N/m], damping ratio, 2 zeta / omega [s].
+/// Stability limit of the step for Jacobi coupling of the linearised pair at these crank angles: reduced mass [kg],
+/// stiffness [N/m], damping ratio, 2 zeta / omega [s].
 const FROZEN: [[f64; 4]; 7] = [
     [1137.0, 52.3e6, 0.175, 1.63e-3],
     [734.0, 25.3e6, 0.100, 1.08e-3],
@@ -90,7 +90,7 @@ const FROZEN: [[f64; 4]; 7] = [
     [313.0, 31.7e6, 0.036, 0.23e-3],
 ];
 
-/// Spectral radius of one step of a scheme on a mass m and an oil spring: by its growth over many steps.
+/// Spectral radius of one step of a scheme with a mass m and an oil spring, from the growth over many steps.
 fn growth(scheme: &str, mass: f64, spring: OilSpring, h: f64) -> f64 {
     let mut mass = Mass::new(mass, 0.0, [0.5, 0.0]);
     let mut oil = Integrated::new(spring, [1.0, 0.0, 0.0, 0.0]);
@@ -129,9 +129,9 @@ fn jacobi_is_stable_below_twice_the_damping_ratio_over_the_frequency() {
     }
 }
 
-/// A polynomial of degree 4 is found again.
+/// A polynomial of degree 4 is reproduced.
 #[test]
-fn the_interpolated_speed_meets_both_ends() {
+fn the_interpolated_speed_matches_both_ends() {
     let (v, h) = ([0.3, -1.2, 4.0, 50.0, -700.0], 0.07);
     let at = |t: f64| Motion {
         length: 0.5 + t * (v[0] + t / 2.0 * (v[1] + t / 3.0 * (v[2] + t / 4.0 * (v[3] + t / 5.0 * v[4])))),
@@ -144,7 +144,7 @@ fn the_interpolated_speed_meets_both_ends() {
     }
 }
 
-/// Gauss-Seidel stands twice Jacobi's step.
+/// Gauss-Seidel is stable for twice the step of Jacobi coupling.
 #[test]
 fn gauss_seidel_is_stable_at_twice_the_step_of_jacobi() {
     let [mass, stiffness, zeta, _] = FROZEN[2];
@@ -155,7 +155,7 @@ fn gauss_seidel_is_stable_at_twice_the_step_of_jacobi() {
     assert!(growth("Gauss-Seidel 0", mass, spring, 2.3 * limit) > 1.0);
 }
 
-/// Values of the circuit's laws at single points, to all digits given.
+/// Values of the circuit's laws at single points, to all given digits.
 #[test]
 fn the_circuit_has_the_reference_flows() {
     let circuit = Circuit::standard();
@@ -179,7 +179,7 @@ fn the_circuit_has_the_reference_flows() {
     assert!((slope / circuit.friction(v)[1] - 1.0).abs() < 1e-7);
 }
 
-/// The circuit alone under a given motion, with cavitation, relief and reversal of the friction.
+/// The circuit alone with a given motion, with cavitation, relief and reversal of the friction.
 #[test]
 fn the_circuit_alone_has_the_reference_pressures() {
     let circuit = Circuit { ramp: [0.0, 0.1], command: 0.4, ..Circuit::standard() };
@@ -211,7 +211,7 @@ fn the_circuit_alone_has_the_reference_pressures() {
     }
 }
 
-/// The integrator has order 12: the exact exponential, at a step where its error is above rounding.
+/// The integrator has order 12: the exact exponential, at a step where the error exceeds rounding.
 #[test]
 fn the_integrator_has_the_order_12() {
     let error = |n: f64| {

@@ -1,17 +1,16 @@
-//! Each kind of mechanism at usual lengths: its closed form position by position, its motion against Lagrange's
-//! equation.
+//! Each kind of mechanism with usual lengths: its closed form at each position, its motion by Lagrange's equation.
 
 use validation::kinds::{self, Off, open, run, usual};
 
-/// Positions to this part of the size [1, rad].
+/// Allowed error of positions relative to the size [1, rad].
 const POSITION: f64 = 1e-11;
-/// Speeds, accelerations and reactions to this part of the largest.
+/// Allowed error of speeds, accelerations and reactions relative to the largest.
 const RATES: f64 = 1e-9;
 /// Largest error of the motion over the tolerance.
 const MOST: f64 = 100.0;
 
 #[test]
-fn every_kind_is_its_closed_form() {
+fn every_kind_follows_its_closed_form() {
     let mut worst = Off::default();
     let mut faults = Vec::new();
     for (place, kind) in kinds::all().iter().enumerate() {
@@ -39,7 +38,7 @@ fn every_kind_is_its_closed_form() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// The closed forms themselves: lengths, guides and fixed points, over the travel.
+/// The closed forms fulfil lengths, guides and fixed points over the travel.
 #[test]
 fn closed_forms_close_their_joints() {
     let kinds = kinds::all();

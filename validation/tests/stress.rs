@@ -2,9 +2,9 @@
 
 use validation::stress::{self, Verdict};
 
-/// One scene in so many is judged here; coprime to the table's patterns, so that every kind is met.
+/// One scene in this number is evaluated here; coprime to the table's patterns, so that every kind occurs.
 const ONE_IN: usize = 11;
-/// Scenes of more communication steps are left to the whole suite.
+/// Scenes with more communication steps are left to the whole suite.
 const MOST_STEPS: u64 = 20_000;
 
 #[test]

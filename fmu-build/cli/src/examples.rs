@@ -1,7 +1,7 @@
 //! Examples at the end of each command's help.
 //!
-//! In: nothing. Out: texts; each line that starts with the program is a command line that a user can write. They must
-//! not name files of the source: an installed program shows them too.
+//! In: nothing. Out: texts. Each line that starts with the name of the program is a command line. The texts must not
+//! name files of the source, because an installed program shows them too.
 
 /// Examples of `package`.
 pub const PACKAGE: &str = "\

@@ -1,7 +1,7 @@
-//! The command line of an installation: `linkage-fmu`, the tasks of `cargo fmu` that need no source.
+//! The command line of an installed program: `linkage-fmu`, with the tasks of `cargo fmu` that need no source.
 //!
-//! In: the command line of `cargo fmu`. Out: the same one under the other name, with the places where an installed
-//! program writes.
+//! In: the command line of `cargo fmu`. Out: the same command line with the other name, and with the folders in which
+//! an installed program writes.
 use crate::{Cli, Task, words};
 use clap::{Command, CommandFactory, FromArgMatches};
 use std::ffi::OsString;
@@ -9,10 +9,10 @@ use std::ffi::OsString;
 /// Name of the program.
 pub const PROGRAM: &str = "linkage-fmu";
 
-/// Tasks that work on the source.
+/// Tasks that need the source.
 const OF_THE_SOURCE: [&str; 5] = ["docs", "report", "dist", "test", "bench"];
 
-/// Name of a task that works on the source; None of all others.
+/// Name of a task that needs the source. None for all other tasks.
 pub fn needs_source(task: &Task) -> Option<&'static str> {
     match task {
         Task::Demo(demo) if demo.gallery => Some("demo --gallery"),
@@ -25,13 +25,14 @@ pub fn needs_source(task: &Task) -> Option<&'static str> {
     }
 }
 
-/// What these words ask for, the program's name first. Help and wrong usage are answered, and end the program.
+/// The task in these words, of which the first is the name of the program. Help and wrong usage are answered and end
+/// the program.
 pub fn parse(words: Vec<OsString>) -> Cli {
     let matches = command().get_matches_from(words::joined(words));
     Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command()).exit())
 }
 
-/// The command line. Tasks that work on the source are taken, to be refused by name, and not shown.
+/// The command line. Tasks that need the source are hidden. They are parsed, so that an error message can name them.
 pub fn command() -> Command {
     let mut command = Cli::command().name(PROGRAM).bin_name(PROGRAM).about("Pack, check, run and draw mechanisms");
     for name in OF_THE_SOURCE {
@@ -102,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn help_speaks_of_what_an_installation_has() {
+    fn help_lists_the_commands_of_an_installation() {
         let mut command = command();
         command.build();
         let mut helps = vec![command.render_long_help().to_string()];

@@ -1,7 +1,7 @@
 //! The command line of `cargo fmu`, without any of its tasks.
 //!
-//! In: words. Out: a task with its arguments, or help. It must not know the engine, so that it is built in seconds: the
-//! first command of a newcomer asks for help.
+//! In: words. Out: a task with its arguments, or help. The crate must not depend on the engine, so that its build takes
+//! seconds: a new user first asks for help.
 mod examples;
 pub mod installed;
 mod libraries;
@@ -208,7 +208,7 @@ pub struct Simulate {
 /// A time in seconds.
 ///
 /// # Errors
-/// The text is no number; one with a unit of time, or with a decimal comma, says what to write.
+/// The text is no number. For a unit of time and for a decimal comma the message states the correct text.
 fn seconds(text: &str) -> Result<f64, String> {
     if let Ok(seconds) = text.parse() {
         return Ok(seconds);
@@ -227,10 +227,10 @@ fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
-/// A part of 1.
+/// A number from 0 to 1.
 ///
 /// # Errors
-/// The text is no number; a percentage, or one with a decimal comma, says what to write.
+/// The text is no number. For a percentage and for a decimal comma the message states the correct text.
 fn part(text: &str) -> Result<f64, String> {
     if let Ok(part) = text.parse() {
         return Ok(part);
@@ -282,7 +282,7 @@ pub struct Linearise {
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. This coordinate and its
-    /// rate are the two states [default: the coordinate in the key start of the definition]
+    /// rate are the first two states [default: the coordinate in the key start of the definition]
     #[arg(long, value_name = "NAME")]
     pub coordinate: Option<String>,
     /// Inputs of the matrices B and D [default: all inputs on which the acceleration depends]
@@ -387,7 +387,7 @@ pub struct Docs {
     pub open: bool,
 }
 
-/// Most four-bars of a chain.
+/// Largest number of four-bars of a chain.
 pub const LONGEST_CHAIN: i64 = 80;
 
 /// Arguments of `chain`.

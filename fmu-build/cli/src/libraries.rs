@@ -63,7 +63,7 @@ pub struct Package {
 }
 
 impl Package {
-    /// No argument but the version of FMI, which is 2.0: for those who run the FMU as one.
+    /// No argument except the version FMI 2.0, for tasks that run the FMU.
     pub fn of_fmi_2() -> Self {
         Self { fmi: Fmi::Two, ..Self::default() }
     }
@@ -176,7 +176,7 @@ const OLDEST_GLIBC: u32 = 17;
 /// A version of glibc, such as 2.17.
 ///
 /// # Errors
-/// Another form, or one that is older than Rust's standard library asks for.
+/// The text has another form, or the version is older than that of Rust's standard library.
 pub fn glibc(text: &str) -> Result<String, String> {
     match text.strip_prefix("2.").and_then(|minor| minor.parse::<u32>().ok()) {
         Some(minor) if minor >= OLDEST_GLIBC => Ok(format!("2.{minor}")),
@@ -184,14 +184,14 @@ pub fn glibc(text: &str) -> Result<String, String> {
     }
 }
 
-/// Platforms of FMI 2.0.5, 2.3: of those that have no name of their own there, the one for Linux on ARM.
+/// Platforms of FMI 2.0.5, 2.3. FMI 2.0 has no separate name for Linux on ARM.
 pub const PLATFORMS: [&str; 7] = ["win32", "win64", "linux32", "linux64", "aarch64-linux", "darwin32", "darwin64"];
 
 impl Platform {
     /// The platform with this name, of FMI 3.0 or 2.0.
     ///
     /// # Errors
-    /// There is none.
+    /// No platform has this name.
     pub fn named(name: &str) -> Result<Self, String> {
         let known = || Self::value_variants().iter().filter_map(ValueEnum::to_possible_value);
         let names = || known().map(|value| value.get_name().to_owned()).collect::<Vec<_>>().join(", ");

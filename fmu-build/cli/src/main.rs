@@ -1,5 +1,5 @@
-//! `cargo fmu`: help and wrong usage are answered here. A task goes to the program that does it, which Cargo builds
-//! first.
+//! `cargo fmu`: answers help and wrong usage. For a task, Cargo first builds the program of the task, then the program
+//! runs.
 use anyhow::{Context, Result, anyhow};
 use clap::Parser;
 use fmu_cli::{Cli, Program, python, words};
@@ -19,7 +19,7 @@ fn main() -> ExitCode {
     })
 }
 
-/// Build the program of the task and run it with the same words.
+/// Build the program of the task and run it with the same arguments.
 fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
     let program = cli.task.program();
     let path = env::current_exe()?.with_file_name(format!("{}{}", program.name(), env::consts::EXE_SUFFIX));
@@ -38,8 +38,8 @@ fn run(cli: &Cli, root: &Path) -> Result<ExitCode> {
     Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// Build the program and the library of the FMUs, and make Python's environment meanwhile: pip mostly waits for the
-/// network.
+/// Build the program and the library of the FMUs. Meanwhile create the Python environment, because pip mostly waits for
+/// the network.
 fn prepare_demo(program: Program, root: &Path) -> Result<()> {
     let [environments, scripts] = [root.join("target"), root.join("fmu-build").join("python")];
     thread::scope(|scope| {
@@ -51,7 +51,7 @@ fn prepare_demo(program: Program, root: &Path) -> Result<()> {
     .map(drop)
 }
 
-/// Cargo, told to build or run a program.
+/// A call of Cargo that builds or runs a program.
 fn cargo(subcommand: &str, program: Program, root: &Path) -> Command {
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo.args([subcommand, "--release", "--package", program.name(), "--manifest-path"]).arg(root.join("Cargo.toml"));

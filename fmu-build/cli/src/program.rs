@@ -1,16 +1,16 @@
-//! The two programs that do the tasks of `cargo fmu`.
+//! The two programs for the tasks of `cargo fmu`.
 //!
-//! In: a task. Out: the program that does it. The second program has crates that no first command needs, for tables,
-//! plots and samples. It is built when one of its tasks is asked for.
+//! In: a task. Out: the program of the task. The second program needs additional crates for tables, plots and samples.
+//! It is built when one of its tasks is called.
 
 use crate::Task;
 
-/// A program that does tasks; its name is that of its package.
+/// A program for tasks. It has the name of its package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
     /// Checks, packs and shows mechanisms.
     Packer,
-    /// Runs, imports and studies mechanisms; does the tasks of the packer too.
+    /// Runs, imports and studies mechanisms. Also contains the tasks of the packer.
     Studies,
 }
 
@@ -23,7 +23,7 @@ impl Program {
         }
     }
 
-    /// How long the first build usually takes.
+    /// Usual time of the first build.
     pub fn time(self) -> &'static str {
         match self {
             Self::Packer => "about two minutes",
@@ -45,7 +45,7 @@ impl Task {
         }
     }
 
-    /// Whether this task runs an FMU through FMPy for show.
+    /// Whether this task is a demo, which runs an FMU through FMPy.
     pub fn is_demo(&self) -> bool {
         matches!(self, Self::Demo(demo) if !demo.gallery)
     }

@@ -1,7 +1,7 @@
-//! Python's virtual environments, made once and renewed when the pinned requirements change.
+//! Python's virtual environments. They are created once and renewed when the pinned requirements change.
 //!
-//! In: a folder, requirements. Out: the interpreter of an environment in this folder that has them. It must not know
-//! what runs there.
+//! In: a folder, requirements. Out: the interpreter of an environment in this folder with these requirements. The
+//! module must not know the scripts.
 
 use anyhow::{Context, Result, bail};
 use std::ffi::OsString;
@@ -12,29 +12,29 @@ use std::{env, fs, io};
 
 /// Environment variable that names another interpreter of Python.
 const INTERPRETER: &str = "PYTHON";
-/// File in a virtual environment that says what it was made from.
+/// File in a virtual environment with the requirements for which it was created.
 const STAMP: &str = "made-from.txt";
-/// First line of requirements that name all that is used: what they themselves ask for besides is left out.
+/// First line of requirements that list all used packages: pip does not install further dependencies.
 const COMPLETE: &str = "# complete";
-/// Lines of requirements that tell which packages scripts import, as an extra of the wheel has them, and how much all
-/// of them need on disk.
+/// Line of requirements with the name of the wheel's extra, the packages that the scripts import, and their size on
+/// disk.
 const EXTRA: &str = "# extra ";
 const SIZE: &str = "# size: ";
-/// Ends with success if Python has the packages that it is called with.
+/// Exits with success if Python has the packages of its arguments.
 const HAS: &str = "import sys, importlib.metadata as m; [m.version(name) for name in sys.argv[1:]]";
 
-/// Interpreter that runs the package of this program, if one does.
+/// Interpreter in which the package of this program is installed, if there is one.
 static OWN: OnceLock<PathBuf> = OnceLock::new();
 
-/// State which interpreter runs the package of this program.
+/// State the interpreter in which the package of this program is installed.
 pub fn runs_in(interpreter: PathBuf) {
     let _ = OWN.set(interpreter);
 }
 
-/// Run to the end.
+/// Run a program to its end.
 ///
 /// # Errors
-/// The program cannot be started, or it ends with anything but success; `task` names it in the message.
+/// The program cannot be started, or does not exit with success. `task` is its name in the message.
 pub fn run(command: &mut Command, task: &str) -> Result<()> {
     let status = command.status().with_context(|| cannot_start(command, task))?;
     if !status.success() {
@@ -75,7 +75,7 @@ fn has(python: &Path, packages: &[&str]) -> bool {
     command.status().is_ok_and(|status| status.success())
 }
 
-/// What is going to be installed, where, and how large it is.
+/// Message with the folder, the size and the duration of the installation.
 fn announcement(folder: &Path, pinned: &str) -> String {
     let size = pinned.lines().find_map(|line| line.strip_prefix(SIZE));
     let size = size.map_or_else(String::new, |size| format!("{size} on disk, "));
@@ -88,7 +88,7 @@ fn announcement(folder: &Path, pinned: &str) -> String {
     format!("creating the Python environment {}: {size}about half a minute, only once{instead}", folder.display())
 }
 
-/// The file beside a folder that one process at a time has; others wait for it. It is free when this is dropped.
+/// Lock file next to a folder. One process at a time has the lock, others wait. Dropping the file releases the lock.
 fn locked(folder: &Path) -> io::Result<fs::File> {
     fs::create_dir_all(folder.parent().unwrap_or(folder))?;
     let file = fs::File::create(folder.with_extension("lock"))?;
@@ -96,8 +96,8 @@ fn locked(folder: &Path) -> io::Result<fs::File> {
     Ok(file)
 }
 
-/// Interpreter of an environment with these requirements, ready to use: that in which this program is installed, if it
-/// has their extra; else the one in `folder`, which is made if it is not there.
+/// Interpreter of an environment with these requirements: the one in which this program is installed, if it has the
+/// extra, else the one in `folder`, which is created if necessary.
 ///
 /// # Errors
 /// There is no interpreter, it has no `venv`, or the requirements cannot be installed.
@@ -118,7 +118,7 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     if is_ready() {
         return Ok(python);
     }
-    // Another process may be making it: the first to come makes it, the others wait.
+    // Another process may be creating the environment. The first process creates it, the others wait.
     let _lock = locked(folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
     if is_ready() {
         return Ok(python);
@@ -131,7 +131,7 @@ pub fn environment(folder: &Path, requirements: &Path) -> Result<PathBuf> {
     ))?;
     let mut pip = Command::new(&python);
     pip.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
-    // Python compiles what a script imports, and most of what is installed is never imported.
+    // Python compiles imported modules when they are needed. Most of the installed modules are never imported.
     pip.arg("--no-compile");
     if pinned.starts_with(COMPLETE) {
         pip.arg("--no-deps");
@@ -149,7 +149,7 @@ mod tests {
     const PINNED: &str = "# complete\n# extra plot: FMPy numpy\n# size: 230 MB\nFMPy==0.3.32\nnumpy==2.4.6\n";
 
     #[test]
-    fn requirements_tell_their_extra_and_size() {
+    fn requirements_contain_their_extra_and_size() {
         assert_eq!(extra(PINNED), Some(("plot", vec!["FMPy", "numpy"])));
         assert_eq!(extra("numpy==2.4.6\n"), None);
         let text = announcement(Path::new("venv"), PINNED);
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     #[cfg(unix)]
-    fn an_interpreter_is_asked_for_packages() {
+    fn packages_are_looked_up_in_the_interpreter() {
         let python = Path::new("python3");
         assert!(has(python, &[]));
         assert!(!has(python, &["no-package-of-this-name"]));

@@ -1,23 +1,23 @@
-//! The words of the command line, before clap takes values that begin with a sign for options.
+//! The words of the command line, prepared for clap, which takes values with a sign for options.
 //!
-//! In: words. Out: the same, each number with a sign joined to the option or the name of a start value before it:
-//! `--start-time -1e-3` as `--start-time=-1e-3`, `crank.start_angle -45deg` as `crank.start_angle=-45deg`. It must not
-//! know what options there are, but for `--start-values`; clap itself takes neither exponents with a sign nor units,
-//! and an option that takes any word with a hyphen would take the option after it.
+//! In: words. Out: the same words, with each negative number joined to the preceding option or name of a start value:
+//! `--start-time -1e-3` becomes `--start-time=-1e-3`, `crank.start_angle -45deg` becomes `crank.start_angle=-45deg`.
+//! The module must not know any option except `--start-values`. clap accepts neither signed exponents nor units, and an
+//! option that accepts any word with a hyphen would accept the next option.
 
 use std::ffi::{OsStr, OsString};
 
 /// The option that takes pairs of a name and a value.
 const START_VALUES: &str = "--start-values";
-/// The task whose words go on as they are.
+/// The task whose words are passed unchanged.
 const BENCH: &str = "bench";
 
-/// The words that this program was called with, its own name first.
+/// The words with which this program was called. The first word is its name.
 pub fn given() -> Vec<OsString> {
     joined(std::env::args_os())
 }
 
-/// These words, the program's name first, each number with a sign joined to what it is the value of.
+/// These words with each negative number joined to its option or name. The first word is the name of the program.
 pub fn joined(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     let mut joined: Vec<OsString> = Vec::new();
     let (mut are_start_values, mut wants_value) = (false, false);
@@ -42,7 +42,7 @@ pub fn joined(words: impl IntoIterator<Item = OsString>) -> Vec<OsString> {
     joined
 }
 
-/// Whether a word is a number below 0, with or without a unit: no option begins with a digit or a point.
+/// Whether a word is a negative number, with or without a unit. No option starts with a digit or a point.
 fn is_negative(word: &OsStr) -> bool {
     let digits = word.as_encoded_bytes().strip_prefix(b"-");
     digits.is_some_and(|rest| rest.strip_prefix(b".").unwrap_or(rest).first().is_some_and(u8::is_ascii_digit))
@@ -90,7 +90,7 @@ mod tests {
         // A name is no value, and an option is no name.
         assert!(parsed("fmu simulate p --start-values a -x").is_err());
         assert!(parsed("fmu simulate p --start-values --stop-time 3").is_err());
-        // Other words stay as they are.
+        // Other words stay unchanged.
         let line = "fmu bench attack --seed -5 name -6";
         assert_eq!(joined(line.split(' ').map(OsString::from)).join(" ".as_ref()), line);
     }
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!((simulate.output_interval, simulate.relative_tolerance), (Some(-1e-4), Some(-1e-6)));
         let Ok(Task::View(view)) = parsed("fmu view p --stop-time -1e-3") else { panic!("refused") };
         assert_eq!(view.stop_time, Some(-1e-3));
-        // A unit belongs to no time.
+        // Times have no unit.
         for (text, remedy) in
             [("2s", "write 2 (seconds)"), ("-1.5min", "write -90 (seconds)"), ("2,5", "write 2.5 (seconds)")]
         {

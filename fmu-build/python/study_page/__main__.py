@@ -1,8 +1,8 @@
-"""Pictures of a study: `page.html` for the browser, PNG files beside it, Sobol's indices as CSV.
+"""Pictures of a study: `page.html` for the browser, PNG files next to it, Sobol's indices as CSV.
 
 usage: study_page TABLE PLAN --out DIR
 
-The table is what `cargo fmu sweep` or `cargo fmu optimise` has written, the plan says what its columns stand for.
+The table is written by `cargo fmu sweep` or `cargo fmu optimise`; the plan describes its columns.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The pictures of a study as one page that loads nothing, by Bokeh: zoom, values at the pointer, linked selection."""
+"""The pictures of a study as a self-contained page, by Bokeh: zoom, values at the pointer, linked selection."""
 
 from __future__ import annotations
 
@@ -28,9 +28,9 @@ BLUE, ORANGE, RED, GREY = "#2f6db3", "#d9822b", "#b3392f", "#c4c9cf"
 TOOLS = "pan,box_zoom,wheel_zoom,reset,save"
 SELECTION = "box_select,lasso_select,box_zoom,wheel_zoom,reset"
 MOST = 8
-"""Columns of a scatter matrix."""
+"""Largest number of columns of a scatter matrix."""
 NARROW = 300
-"""Least width of a plot that may take the width of the page [px]: that of a small phone, without its margins."""
+"""Smallest width of a plot that fills the width of the page [px]: that of a small phone without its margins."""
 TEMPLATE = """
 {% block preamble %}
     <meta name="viewport" content="width=device-width, initial-scale=1">
@@ -66,14 +66,14 @@ def html(results: Results) -> str:
 
 
 def wrapped(plots: list[figure]) -> UIElement:
-    """Plots side by side, in as many rows as the page is narrow."""
+    """Plots side by side, in more rows on a narrow page."""
     for own in plots:
         own.max_width, own.min_width, own.sizing_mode = own.width, min(own.width, NARROW), "scale_width"
     return side_by_side(*plots, styles={"flex-wrap": "wrap"}, sizing_mode="stretch_width")
 
 
 def matrix(rows: list[list[figure]]) -> UIElement:
-    """Plots in rows and columns; the reader moves them sideways where the page is too narrow."""
+    """Plots in rows and columns, with a horizontal scroll bar on a narrow page."""
     return column(gridplot(rows, merge_tools=True), styles={"overflow-x": "auto"}, sizing_mode="stretch_width")
 
 
@@ -118,7 +118,7 @@ def main_effects(results: Results) -> UIElement | None:
 
 
 def scatter_matrix(results: Results) -> UIElement | None:
-    """Factors and responses against each other; what is selected in one panel is so in all."""
+    """Factors and responses against each other; a selection in one panel applies to all panels."""
     if not results.factors:
         return None
     index = results.thinned()
@@ -126,8 +126,8 @@ def scatter_matrix(results: Results) -> UIElement | None:
     names = list(columns)
     if len(names) > MOST:
         strongest = results.strongest(next(iter(results.responses)))
-        told = list(results.responses)[: MOST // 2]
-        names = [*strongest[: MOST - len(told)], *told]
+        outputs = list(results.responses)[: MOST // 2]
+        names = [*strongest[: MOST - len(outputs)], *outputs]
     data = {f"c{k}": columns[name][index] for k, name in enumerate(names)} | {"run": results.numbers[index]}
     source = ColumnDataSource(data)
     rows = []

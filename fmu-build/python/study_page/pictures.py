@@ -11,11 +11,11 @@ from results import Results, bins
 
 BLUE, ORANGE, RED = "#2f6db3", "#d9822b", "#b3392f"
 SIDE = 2.6
-"""Of a panel [in]."""
+"""Size of a panel [in]."""
 MOST = 7
-"""Columns of a scatter matrix."""
+"""Largest number of columns of a scatter matrix."""
 ACROSS = 2
-"""Panels next to each other in the other pictures, so that a phone shows them."""
+"""Number of panels per row in the other pictures, so that they are readable on a phone."""
 
 
 def all_of(results: Results) -> Iterator[tuple[str, Figure]]:
@@ -62,7 +62,7 @@ def main_effects(results: Results) -> Figure:
 
 
 def labelled(axes: Axes, x: str, y: str, is_left: bool, is_low: bool) -> None:
-    """Names at the left and lower edges only."""
+    """Show axis names at the left and lower edges only."""
     axes.tick_params(labelsize=8)
     axes.locator_params(nbins=3)
     axes.ticklabel_format(useOffset=False)
@@ -76,10 +76,10 @@ def scatter_matrix(results: Results) -> Figure:
     columns = {**results.factors, **results.responses}
     names = list(columns)[:MOST] if len(columns) > MOST else list(columns)
     if len(columns) > MOST:
-        # Responses are not to be missing where factors are many.
+        # If there are many factors, the responses must not be omitted.
         strongest = results.strongest(next(iter(results.responses)))
-        told = list(results.responses)[: MOST // 2]
-        names = [*strongest[: MOST - len(told)], *told]
+        outputs = list(results.responses)[: MOST // 2]
+        names = [*strongest[: MOST - len(outputs)], *outputs]
     canvas, grid = panels(len(names), len(names), 1.7, 1.7)
     for i, row in enumerate(grid):
         for j, axes in enumerate(row):

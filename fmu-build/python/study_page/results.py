@@ -1,4 +1,4 @@
-"""What the pictures show: the runs that did not fail, effects, surfaces, Sobol's indices. It knows no plotting."""
+"""The data of the pictures: successful runs, effects, surfaces, Sobol's indices. The module must not know plotting."""
 
 from __future__ import annotations
 
@@ -18,17 +18,17 @@ from scipy.interpolate import LinearNDInterpolator
 Array = NDArray[np.float64]
 
 ROUNDING = 1e-12
-"""Part of its largest value by which a quantity differs between runs that give the same."""
+"""Relative difference up to which values of different runs count as equal."""
 MOST_LEVELS = 30
-"""Different values of a factor up to which each is a level of its own."""
+"""Up to this number of different values of a factor, each value is a separate level."""
 BINS = 12
-"""Equally filled parts of a factor that has more values."""
+"""Number of equally filled bins of a factor with more values."""
 MOST_POINTS = 4000
-"""Runs that are drawn as points; of more, as many, equally spaced by their number."""
+"""Largest number of runs that are drawn as points. Of more runs, equally spaced ones are drawn."""
 CELLS = 60
-"""Of a surface along each side."""
+"""Number of cells of a surface along each side."""
 RESAMPLES = 200
-"""For the intervals of Sobol's indices."""
+"""Number of resamplings for the intervals of Sobol's indices."""
 
 
 def bins(values: NDArray[np.float64]) -> int | str:
@@ -46,7 +46,7 @@ class Effect:
 
     @property
     def size(self) -> float:
-        """Largest less least mean."""
+        """Largest mean minus smallest mean."""
         return float(np.ptp(self.means))
 
 
@@ -79,18 +79,18 @@ class Results:
 
     plan: dict[str, Any]
     factors: dict[str, Array]
-    """Those that are numbers and change."""
+    """Numeric factors that change."""
     responses: dict[str, Array]
-    """Those that change and have a value in some runs."""
+    """Responses that change and have a value in some runs."""
     labels: dict[str, str]
-    """Names with units, which have a prefix where the values have it too."""
+    """Names with units, which have a prefix if the values have it too."""
     violation: Array | None
     numbers: Array
-    """Of the runs."""
+    """Numbers of the runs."""
     runs: int
     failed: int
     whole: dict[str, Array]
-    """All columns of numbers, failed runs among them."""
+    """All numeric columns, including failed runs."""
 
     @classmethod
     def read(cls, path: Path, plan: dict[str, Any]) -> Results:
@@ -104,7 +104,7 @@ class Results:
         def changing(name: str) -> bool:
             values = whole[name][good]
             values = values[np.isfinite(values)]
-            # What differs by rounding alone does not change.
+            # Values that differ only by rounding count as constant.
             return values.size > 1 and bool(np.ptp(values) > ROUNDING * np.abs(values).max())
 
         units = json.loads((table.schema.metadata or {}).get(b"linkage_fmu.units", b"{}"))
@@ -114,11 +114,11 @@ class Results:
             unit, factor = unit_with_prefix(units.get(name, "1"), float(np.abs(known).max(initial=0.0)))
             whole[name] = factor * values
             labels[name] = name if unit == "1" else f"{name} [{unit}]"
-        told = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
+        listed = [name for name in plan["responses"] if not name.endswith(".time") and name != "violation"]
         return cls(
             plan,
             {name: whole[name][good] for name in numeric if changing(name)},
-            {name: whole[name][good] for name in told if changing(name)},
+            {name: whole[name][good] for name in listed if changing(name)},
             labels,
             whole["violation"][good] if "violation" in whole else None,
             np.array(table["run"])[good],
@@ -135,7 +135,7 @@ class Results:
         return np.linspace(0, count - 1, MOST_POINTS).astype(np.int64)
 
     def effect(self, factor: str, response: str) -> Effect:
-        """Mean response over a factor, all other factors as they come."""
+        """Mean response as a function of a factor, over all values of the other factors."""
         x, y = self.factors[factor], self.responses[response]
         good = np.isfinite(y)
         x, y = x[good], y[good]
@@ -151,11 +151,12 @@ class Results:
         return Effect(places, np.array([part.mean() for part in parts]), np.array([part.std() for part in parts]))
 
     def strongest(self, response: str) -> list[str]:
-        """Factors, the one with the largest effect on a response first."""
+        """Factors, sorted by their effect on a response, the largest first."""
         return sorted(self.factors, key=lambda factor: -self.effect(factor, response).size)
 
     def surface(self, response: str) -> Surface | None:
-        """A response over its two strongest factors; none where fewer than two change or the runs are too few."""
+        """A response over its two strongest factors. None if fewer than two factors change, or if there are too few
+        runs."""
         names = self.strongest(response)[:2]
         if len(names) < 2:
             return None
@@ -206,7 +207,7 @@ class Results:
         return Indices(names, *parts, len(y))
 
     def rows_of_indices(self) -> Iterator[list[str | float]]:
-        """Sobol's indices as rows of a table, the names of its columns first; no row without Saltelli's design."""
+        """Sobol's indices as rows of a table after the names of its columns. No row without Saltelli's design."""
         for number, response in enumerate(self.responses):
             indices = self.indices(response)
             if indices is None:
@@ -219,7 +220,7 @@ class Results:
 
 
 def quadratic(x: Array) -> Array:
-    """The terms 1, x_i, x_i x_j of a quadratic polynomial, a row for each point."""
+    """The terms 1, x_i, x_i x_j of a quadratic polynomial, one row per point."""
     count = x.shape[1]
     products = [x[:, i] * x[:, j] for i in range(count) for j in range(i, count)]
     return np.column_stack([np.ones(len(x)), x, *products])

@@ -1,22 +1,22 @@
-//! One file of macOS with the libraries of several processors: a list in front, then the libraries, each from the start
+//! A file of macOS that contains the libraries for several processors: a list, then the libraries, each from the start
 //! of a page on (`mach-o/fat.h`).
 //!
-//! In: libraries for one processor each, or the file. Out: the file, or one library. It must not know FMI.
+//! In: libraries for one processor each, or the file. Out: the file, or one library. The module must not know FMI.
 
 use anyhow::{Context, Result};
 use object::Architecture;
 use object::read::macho::{FatArch, MachOFatFile32};
 
-/// How the file begins, and a library of macOS for one 64-bit processor.
+/// First bytes of the file, and of a library of macOS for one 64-bit processor.
 const FILE: u32 = 0xcafe_babe;
 const LIBRARY: u32 = 0xfeed_facf;
-/// Logarithm to the base 2 of the size of a page, the larger one of the two processors'.
+/// Logarithm to the base 2 of the page size, for the processor with the larger pages.
 const PAGE: u32 = 14;
 
-/// The file.
+/// Build the file.
 ///
 /// # Errors
-/// One of the parts is no library of macOS for one processor, or all of them are too large.
+/// A part is no library of macOS for one processor, or the parts are too large.
 pub fn file(parts: &[&[u8]]) -> Result<Vec<u8>> {
     let page = 1_usize << PAGE;
     let mut list = [FILE, u32::try_from(parts.len())?].map(u32::to_be_bytes).concat();
@@ -39,7 +39,7 @@ pub fn file(parts: &[&[u8]]) -> Result<Vec<u8>> {
     Ok(list)
 }
 
-/// The library for a processor in a file; the file itself, if it is no file of several libraries.
+/// The library for a processor in a file. A file with a single library is returned unchanged.
 pub fn part(file: &[u8], processor: Architecture) -> &[u8] {
     let parsed = MachOFatFile32::parse(file).ok();
     let found = parsed.and_then(|fat| fat.arches().iter().find(|arch| arch.architecture() == processor));
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_library_is_refused() {
+    fn a_file_that_is_no_library_is_rejected() {
         for part in [&b""[..], b"\x7fELF and more", &[0xcf, 0xfa, 0xed]] {
             assert!(super::file(&[part]).is_err());
         }

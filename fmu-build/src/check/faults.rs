@@ -1,7 +1,7 @@
 //! All faults of a definition with their places.
 //!
-//! In: a definition's text. Out: findings with their places. Where the text is no JSON, that is written over in a copy,
-//! in which all else keeps its place, so that the rest is read too.
+//! In: the text of a definition. Out: findings with their places. Faults of JSON syntax are overwritten in a copy of
+//! the text without moving the rest, so that the rest can be read too.
 
 use super::spans::find;
 use super::syntax::repair;
@@ -13,14 +13,14 @@ use linkage_fmu::format::{Node, Place, parse};
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::ops::Range;
 
-/// Key of the file of shared parameters, and path of its contents once they stand in its place.
+/// Key of the file of shared parameters, and the path that replaces the key by the contents of the file.
 const SHARED: &str = "parameters_from";
 const SHARED_CONTENTS: &str = "parameters_from.contents";
 
-/// Most faults that are reported.
+/// Largest number of reported faults.
 pub const MOST: usize = 100;
 
-/// The bytes of a fault; of one behind the last character, that character.
+/// Range of a fault. For a fault after the last character, the range of the last character.
 fn visible(text: &str, span: Range<usize>) -> Range<usize> {
     let end = span.end.min(text.len());
     let last = text[..end].char_indices().next_back().filter(|_| span.is_empty());
@@ -34,15 +34,15 @@ pub struct Located {
     pub finding: Finding,
     /// Range of bytes that is underlined; empty for the whole file.
     pub span: Range<usize>,
-    /// Line and column of its beginning, from 1.
+    /// Line and column of the start of the range, from 1.
     pub position: [usize; 2],
 }
 
-/// What was found in a text.
+/// Results of the inspection of a text.
 pub struct All {
     /// Facts; findings are below.
     pub inspection: Inspection,
-    /// Errors first, each by its place.
+    /// Errors first, each group sorted by place.
     pub located: Vec<Located>,
     /// Whether names and numbers were checked too.
     pub is_whole: bool,
@@ -50,14 +50,14 @@ pub struct All {
     pub units: FileUnits,
 }
 
-/// All that is found in a text.
+/// Inspect a text.
 ///
 /// # Errors
 /// There is no such kind of definition.
 pub fn all(kind: &str, text: &str) -> Result<All> {
     let mut located = Vec::new();
     let mut repaired = text.to_owned();
-    // An editor's byte order mark is no part of JSON.
+    // A byte order mark of an editor is not part of the JSON.
     if repaired.starts_with('\u{feff}') {
         repaired.replace_range(..3, "   ");
     }
@@ -68,7 +68,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
     if is_whole {
         inspection.findings.extend(of_name(&inspection.name));
     }
-    // Facts of a text that was repaired, or of which a part was not read, are those of another model.
+    // If a text was repaired, or a part of it was not read, its facts would describe another model.
     let is_other = !located.is_empty() || inspection.findings.iter().any(|finding| finding.bytes.is_some());
     let root = parse(kind, &repaired).ok();
     let units = FileUnits::stated(root.as_ref());
@@ -80,10 +80,10 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
         };
         let span =
             finding.bytes.clone().filter(is_one_line).map(|span| visible(&repaired, span)).unwrap_or_else(by_path);
-        // A value that was written over is at fault once, and the motion that follows from it is none of the file's.
+        // An overwritten value has one fault. Faults that follow from it are not faults of the file.
         let follows = span.is_empty() && !form.places.is_empty();
         if !follows && !form.places.iter().any(|place| place.start < span.end && span.start < place.end) {
-            located.push(at(text, root.as_ref(), units.told(finding), span));
+            located.push(at(text, root.as_ref(), units.converted(finding), span));
         }
     }
     if is_other && located.iter().any(|located| located.finding.severity == Severity::Error) {
@@ -94,7 +94,7 @@ pub fn all(kind: &str, text: &str) -> Result<All> {
     Ok(All { inspection, located, is_whole, units })
 }
 
-/// A model whose name no FMU can have, as it names files in it.
+/// A finding about a model name that cannot be the name of a file.
 fn of_name(name: &str) -> Option<Finding> {
     let refused = names::check(name).err().filter(|_| !name.is_empty())?;
     let refused = refused.to_string();
@@ -102,13 +102,13 @@ fn of_name(name: &str) -> Option<Finding> {
     Some(Finding::error("name", format_args!("name = \"{name}\"{reason}")))
 }
 
-/// Path of a key of the shared parameters in their file; None of any other key.
+/// Path of a shared parameter in its own file. None for any other key.
 fn shared_path(path: &str) -> Option<&str> {
     path.strip_prefix(SHARED_CONTENTS)?.strip_prefix('.')
 }
 
-/// A finding about a key of the shared parameters, as their reader tells it: at the key that names their file, with the
-/// path in this file.
+/// Convert a finding about a shared parameter: it refers to the key that names the file, and its text contains the path
+/// in this file.
 fn of_shared(root: &Node, finding: &mut Finding, span: &mut Range<usize>) -> Option<()> {
     let path = shared_path(&finding.path)?;
     let shared = root.member(SHARED)?;
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     /// A block whose mass is the shared parameter `load`, with this file of shared parameters.
-    fn told_of_shared(from: &str) -> Vec<String> {
+    fn findings_of_shared(from: &str) -> Vec<String> {
         let text = format!(
             r#"{{ "name": "A", "parameters_from": {from}, "bodies": {{ "ground": {{}}, "block": {{ "mass": "load" }} }},
             "joints": {{ "rail": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin" }} }},
@@ -142,11 +142,11 @@ mod tests {
         all.located.iter().map(shown).collect()
     }
 
-    /// The path is that in the file of the parameters, and what reads one at fault has no fault of its own.
+    /// The path refers to the file of the parameters. A value that uses a faulty parameter has no fault itself.
     #[test]
-    fn a_fault_of_a_shared_parameter_is_told_once_by_its_own_file() {
+    fn a_fault_of_a_shared_parameter_is_reported_once_in_its_own_file() {
         let with = |parameters: &str| {
-            told_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
+            findings_of_shared(&format!(r#"{{ "file": "c.json", "contents": {{ "parameters": {parameters} }} }}"#))
         };
         for (parameters, said) in [
             (r#"{ "load": "x +" }"#, "load: \"x +\": the expression ends with an operator: add the last value"),
@@ -156,30 +156,30 @@ mod tests {
                 "load: \"other\": the values refer to each other in a circle (load reads other reads load)",
             ),
         ] {
-            let told = with(parameters);
-            let [one] = &told[..] else { panic!("{told:#?}") };
+            let found = with(parameters);
+            let [one] = &found[..] else { panic!("{found:#?}") };
             assert!(one.starts_with(&format!("parameters_from: c.json: parameters.{said}")), "{one}");
             assert!(one.ends_with(" at \"parameters_from\"") && !one.contains("(in c.json)"), "{one}");
         }
-        let told = told_of_shared("[1]");
+        let found = findings_of_shared("[1]");
         assert!(
-            told.len() == 1
-                && told[0].starts_with("parameters_from: must be a text in quotes, or an object { }, not a list"),
-            "{told:#?}"
+            found.len() == 1
+                && found[0].starts_with("parameters_from: must be a text in quotes, or an object { }, not a list"),
+            "{found:#?}"
         );
     }
 
-    /// An expression that reads a parameter at fault has no fault of its own.
+    /// An expression that uses a faulty parameter has no fault itself.
     #[test]
-    fn a_circle_is_told_once() {
+    fn a_circle_of_expressions_is_reported_once() {
         let text = r#"{ "name": "A", "parameters": { "a": "b", "b": "a + c", "c": 2, "d": "f" },
             "bodies": { "ground": {}, "rod": { "length": "a", "mass": "b" } },
             "joints": { "j": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
             "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 } }"#;
-        let told: Vec<String> =
+        let found: Vec<String> =
             all("mechanism.json", text).unwrap().located.iter().map(|one| one.finding.to_string()).collect();
-        assert_eq!(told.len(), 2, "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("in a circle")), "{told:#?}");
-        assert!(told.iter().any(|one| one.contains("there is no parameter f;")), "{told:#?}");
+        assert_eq!(found.len(), 2, "{found:#?}");
+        assert!(found.iter().any(|one| one.contains("in a circle")), "{found:#?}");
+        assert!(found.iter().any(|one| one.contains("there is no parameter f;")), "{found:#?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Findings and facts in words, and as JSON.
+//! Findings and facts as text and as JSON.
 
 use super::{Checked, FileUnits, Located};
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
@@ -7,15 +7,15 @@ use serde_json::{Value, json};
 use std::collections::HashSet;
 use std::fmt::Write;
 
-/// Distance from the guess that is rounding [rad or m].
+/// Distance from the guess that counts as rounding [rad or m].
 const SAME: f64 = 1e-9;
 
 /// All findings and facts of a definition.
 pub fn text(checked: &Checked) -> String {
     let mut out = findings(checked);
     let facts = &checked.inspection.facts;
-    let mut told = HashSet::new();
-    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| told.insert(*topic)) {
+    let mut printed = HashSet::new();
+    for topic in facts.iter().map(|fact| fact.topic).filter(|topic| printed.insert(*topic)) {
         let _ = writeln!(out, "{topic}");
         let of_topic = || facts.iter().filter(|fact| fact.topic == topic);
         if of_topic().all(is_idle) {
@@ -29,13 +29,14 @@ pub fn text(checked: &Checked) -> String {
     out
 }
 
-/// Whether a fact says nothing: a coordinate whose guess is the assembled value.
+/// Whether a fact contains no information: a coordinate whose guess is its assembled value.
 fn is_idle(fact: &Fact) -> bool {
     let apart = fact.quantities.iter().find(|quantity| quantity.name == "apart");
     apart.is_some_and(|apart| apart.value.abs() < SAME)
 }
 
-/// These facts, those without numbers that say the same as one: at one dead centre several bodies may stand still.
+/// These facts. Facts without numbers and with the same topic are joined: at one dead centre several bodies may stand
+/// still.
 fn together<'f>(facts: impl Iterator<Item = &'f Fact>) -> Vec<Fact> {
     let mut all: Vec<Fact> = Vec::new();
     for fact in facts {
@@ -55,13 +56,13 @@ pub fn findings(checked: &Checked) -> String {
     checked.findings.iter().map(|located| finding(checked, located) + "\n\n").collect()
 }
 
-/// Findings of this weight, one a line: place, message, remedy.
+/// Findings of this severity, one per line: place, message, remedy.
 pub fn listed(checked: &Checked, severity: Severity) -> Vec<String> {
     let found = checked.findings.iter().filter(|located| located.finding.severity == severity);
     found.map(|located| format!("{}: {}", place(checked, located), located.finding)).collect()
 }
 
-/// One line: what was found, and where the mechanism can go.
+/// One line: number of findings, and the travel of the mechanism.
 pub fn summary(checked: &Checked) -> String {
     let counted = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
     let found = [(Severity::Error, "error"), (Severity::Warning, "warning")]
@@ -122,13 +123,13 @@ pub fn line(fact: &Fact, units: &FileUnits) -> String {
     let of = if fact.of.is_empty() { String::new() } else { format!("{}: ", fact.of) };
     let numbers: Vec<String> = fact.quantities.iter().map(|one| quantity(one, units)).collect();
     let numbers = numbers.join(", ");
-    let text = not_twice(fact);
+    let text = without_repeated_word(fact);
     let joint = if numbers.is_empty() || text.is_empty() { "" } else { "; " };
     format!("{of}{numbers}{joint}{}", units.text(text))
 }
 
-/// The text of a fact without the word that the name of its first number says already.
-fn not_twice(fact: &Fact) -> &str {
+/// The text of a fact without the word that the name of its first number already contains.
+fn without_repeated_word(fact: &Fact) -> &str {
     let word = fact.quantities.first().and_then(|quantity| quantity.name.strip_suffix(" position"));
     let rest = word.and_then(|word| fact.text.strip_prefix(word));
     rest.and_then(|rest| if rest.is_empty() { Some(rest) } else { rest.strip_prefix(": ") }).unwrap_or(&fact.text)
@@ -136,7 +137,7 @@ fn not_twice(fact: &Fact) -> &str {
 
 fn quantity(quantity: &Quantity, units: &FileUnits) -> String {
     let Quantity { name, value, unit } = quantity;
-    // The largest number stands for an infinite value of a variable.
+    // The largest number represents an infinite value.
     match value.abs() >= f64::MAX && *unit != "1" {
         true => format!("{name} infinite"),
         false => format!("{name} {}", units.quantity(*value, unit)),

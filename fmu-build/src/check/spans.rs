@@ -1,7 +1,7 @@
-//! Where the keys of a definition stand in its text.
+//! Places of the keys of a definition in its text.
 //!
-//! In: a definition's text as a tree of JSON. Out: the ranges of bytes of keys and values by their paths. It must not
-//! know what the keys mean.
+//! In: the text of a definition as a tree of JSON. Out: the ranges of bytes of keys and values by their paths. The
+//! module must not know what the keys mean.
 
 use linkage_fmu::format::{Json, Member, Node};
 use std::ops::Range;
@@ -9,14 +9,14 @@ use std::ops::Range;
 /// A part of the text: a member of an object, an element of a list, or the whole.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What a finding underlines: the value if it is on one line, else the key.
+    /// Range that a finding underlines: the value if it is on one line, else the key.
     pub shown: Range<usize>,
-    /// Path of the part, which may end before the one that was asked for.
+    /// Path of the part. It may be shorter than the requested path.
     pub path: String,
 }
 
-/// The place of a path such as `bodies.crank.points.tip[1]` in a text, or of its longest part that is there. The last
-/// of two members of one name is meant.
+/// The place of a path such as `bodies.crank.points.tip[1]` in a text, or of its longest existing part. Of two members
+/// with one name the last one counts.
 pub fn find(text: &str, root: &Node, path: &str) -> Place {
     let start = root.span.start;
     let first = start..start + text[start..].chars().next().map_or(0, char::len_utf8);
@@ -26,7 +26,7 @@ pub fn find(text: &str, root: &Node, path: &str) -> Place {
         let step = rest.trim_start_matches('.');
         match &node.json {
             Json::Object(members) => {
-                // A key may hold a dot: the longest that fits is meant.
+                // A key may contain a dot: the longest matching key counts.
                 let fits = |member: &&Member| {
                     let after = step.strip_prefix(member.key.as_str());
                     after.is_some_and(|after| after.is_empty() || after.starts_with(['.', '[']))

@@ -1,7 +1,7 @@
-//! What in a text is no JSON: each fault with its place and its remedy.
+//! Faults of the JSON syntax of a text: each fault with its place and its remedy.
 //!
-//! In: a text. Out: findings; the same text with each fault written over, in which all else keeps its place, so that
-//! the rest can be read. It must not know what the keys mean.
+//! In: a text. Out: findings, and the same text with each fault overwritten without moving the rest, so that the rest
+//! can be read. The module must not know what the keys mean.
 
 use super::faults::{Located, MOST, at};
 use jsonc_parser::errors::{ParseError, ParseErrorKind};
@@ -11,7 +11,7 @@ use linkage_fmu::numerics::decimal::Decimal;
 use std::f64::consts::PI;
 use std::ops::Range;
 
-/// JSON to the letter.
+/// Options for strict JSON.
 const STRICT: ParseOptions = ParseOptions {
     allow_comments: false,
     allow_loose_object_property_names: false,
@@ -30,7 +30,8 @@ struct Fault {
     message: String,
     /// Range of bytes that is underlined.
     shown: Range<usize>,
-    /// What is written over a range of the same length so that the rest can be read; none if nobody can tell.
+    /// Range to overwrite and replacement of the same length with which the rest can be read. None if there is no safe
+    /// replacement.
     cure: Option<(Range<usize>, String)>,
 }
 
@@ -39,14 +40,14 @@ impl Fault {
         Self { message: message.into(), shown, cure: None }
     }
 
-    /// The fault whose place takes this text, padded with blanks.
+    /// The fault, with its range overwritten by this text and blanks.
     fn written(mut self, text: &str) -> Self {
         let length = self.shown.len();
         self.cure = (text.len() <= length).then(|| (self.shown.clone(), format!("{text:<length$}")));
         self
     }
 
-    /// The fault that a character in the place of the blank before it mends, if there is a blank.
+    /// The fault, with the blank before it replaced by a character, if there is a blank.
     fn preceded(mut self, text: &str, by: char) -> Self {
         let start = self.shown.start;
         let is_blank = text[..start].ends_with([' ', '\t', '\n', '\r']);
@@ -63,14 +64,14 @@ pub struct Repaired {
     pub is_json: bool,
 }
 
-/// Find what is no JSON, and write over it what is.
+/// Find the faults of the JSON syntax, and overwrite them.
 pub fn repair(text: &mut String, located: &mut Vec<Located>) -> Repaired {
     let mut places = Vec::new();
     while located.len() < MOST {
         let Err(error) = parse_to_ast(text, &CollectOptions::default(), &STRICT).map(drop) else {
             return Repaired { places, is_json: true };
         };
-        // What has no name here, the engine says in its own words.
+        // Faults without a text here get the engine's message.
         let Some(Fault { message, shown, cure }) = fault(text, &error) else { break };
         located.push(at(text, None, Finding::error("", message), shown.clone()));
         let Some((range, replacement)) = cure else { break };
@@ -80,7 +81,7 @@ pub fn repair(text: &mut String, located: &mut Vec<Located>) -> Repaired {
     Repaired { places, is_json: false }
 }
 
-/// Overwrite a range; line breaks stay, and what is longer than the replacement becomes blank.
+/// Overwrite a range. Line breaks remain, and the part beyond the replacement becomes blank.
 pub fn overwrite(text: &mut String, range: Range<usize>, replacement: &str) {
     let blank = replacement.trim().is_empty();
     let written: String = match blank {
@@ -152,19 +153,19 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
 }
 
 impl Fault {
-    /// The fault with all that follows blanked out, up to this byte.
+    /// The fault, with the text from its start up to this byte replaced by blanks.
     fn blanked_to(mut self, end: usize) -> Self {
         self.cure = Some((self.shown.start..end, String::new()));
         self
     }
 }
 
-/// A comma or a colon that is missing before what stands next from here on.
+/// A missing comma or colon before the next token from here on.
 fn missing(text: &str, kind: &ParseErrorKind, start: usize) -> Option<Fault> {
     let place = token(text, text.len() - text[start..].trim_start().len());
     match kind {
         ParseErrorKind::ExpectedComma => {
-            // Of two brackets one may be missing here: a comma would put what follows in the wrong object.
+            // A bracket may be missing too. A comma would then put the rest into the wrong object.
             match open_brackets(text).is_empty() {
                 true => {
                     Some(Fault::new("a comma is missing before this place: add a comma", place).preceded(text, ','))
@@ -182,7 +183,7 @@ fn missing(text: &str, kind: &ParseErrorKind, start: usize) -> Option<Fault> {
     }
 }
 
-/// A text in quotes or a single character that begins here.
+/// A text in quotes, or a single character, that starts here.
 fn token(text: &str, start: usize) -> Range<usize> {
     let rest = &text[start..];
     let length = match rest.strip_prefix('"').and_then(|inner| inner.find('"')) {
@@ -196,7 +197,7 @@ fn ends_word(c: char) -> bool {
     c.is_whitespace() || ",:{}[]\"'=".contains(c)
 }
 
-/// A word without quotes around this place that is no value of JSON.
+/// A word without quotes at this place that is no value of JSON.
 fn word(text: &str, at: usize) -> Option<Fault> {
     let start = text[..at].char_indices().rev().take_while(|(_, c)| !ends_word(*c)).last().map_or(at, |(k, _)| k);
     let length = text[start..].find(ends_word).unwrap_or(text.len() - start);
@@ -270,7 +271,7 @@ fn formula(word: &str) -> Option<f64> {
     Some(value).filter(|value| value.is_finite())
 }
 
-/// The first text with no closing quote on its line: from its quote to the end of the line.
+/// The first text without a closing quote on its line: from its quote to the end of the line.
 fn open_text(text: &str) -> Option<Range<usize>> {
     let mut from = None;
     let mut is_escaped = false;
@@ -286,7 +287,7 @@ fn open_text(text: &str) -> Option<Range<usize>> {
     from.map(|start| start..text.len())
 }
 
-/// Brackets outside of texts that are never closed.
+/// Brackets outside of texts that are not closed.
 fn open_brackets(text: &str) -> Vec<(usize, char)> {
     let (mut open, mut is_text, mut is_escaped) = (Vec::new(), false, false);
     for (at, c) in text.char_indices() {
@@ -301,7 +302,7 @@ fn open_brackets(text: &str) -> Vec<(usize, char)> {
     open
 }
 
-/// The comma before this place if it stands between two digits, inside a member of an object.
+/// The comma before this place if it is between two digits in a member of an object.
 fn decimal_comma(text: &str, at: usize) -> Option<usize> {
     let bytes = text.as_bytes();
     let comma = [at.checked_sub(1)?, at].into_iter().find(|&at| bytes.get(at) == Some(&b','))?;

@@ -1,13 +1,13 @@
 //! Messages in the units of the file.
 //!
-//! In: messages of the engine, which is in SI units. Out: the same with lengths and angles as the file states them.
+//! In: messages of the engine in SI units. Out: the messages with lengths and angles in the units of the file.
 
 use linkage_fmu::format::Node;
 use linkage_fmu::inspection::Finding;
 use linkage_fmu::mechanism::definition::{AngleUnit, LengthUnit};
 use linkage_fmu::numerics::decimal::Decimal;
 
-/// A unit of the engine, the unit of the file, and how many of the file's make one of the engine's.
+/// A unit of the engine, the unit of the file, and the factor from the first to the second.
 #[derive(Clone)]
 struct Unit {
     si: &'static str,
@@ -32,8 +32,8 @@ impl FileUnits {
         Self(length.into_iter().chain(angle).collect())
     }
 
-    /// A finding in the units of the file; a circuit is in SI units in any file.
-    pub fn told(&self, mut finding: Finding) -> Finding {
+    /// A finding in the units of the file. Findings about a circuit stay in SI units.
+    pub fn converted(&self, mut finding: Finding) -> Finding {
         if !finding.path.contains(".hydraulics") {
             finding.message = self.message(&finding.message);
             finding.remedy = self.message(&finding.remedy);
@@ -41,12 +41,12 @@ impl FileUnits {
         finding
     }
 
-    /// The unit in which the file states a quantity of an SI unit, and its factor; None where that is the SI unit.
+    /// The unit in which the file states a quantity, and its factor. None if this is the SI unit.
     pub fn of(&self, si: &str) -> Option<(&'static str, f64)> {
         self.0.iter().find(|unit| unit.si == si).map(|unit| (unit.own, unit.factor))
     }
 
-    /// A number with its unit, to five digits; an angle of a file in radians in degrees too.
+    /// A number with its unit, to five digits. An angle in a file in radians is written in degrees too.
     pub fn quantity(&self, value: f64, unit: &str) -> String {
         if let Some(own) = self.0.iter().find(|own| own.si == unit) {
             return format!("{} {}", number(value * own.factor), own.own);
@@ -58,7 +58,7 @@ impl FileUnits {
         }
     }
 
-    /// The text of a fact: each angle and each length as [`Self::quantity`].
+    /// The text of a fact, with each angle and each length as in [`Self::quantity`].
     pub fn text(&self, text: &str) -> String {
         let mut out: Vec<String> = Vec::new();
         for word in text.split(' ') {
@@ -75,11 +75,11 @@ impl FileUnits {
         out.join(" ")
     }
 
-    /// Every number that is followed by a converted unit in this unit.
+    /// The message with every number and its unit converted to the units of the file.
     pub fn message(&self, message: &str) -> String {
         let mut out = String::with_capacity(message.len());
         let has_degrees = self.0.iter().any(|unit| unit.own == "deg");
-        // Nobody who states degrees means radians.
+        // A user who states degrees does not mean radians.
         let asks =
             message.rfind("; if you mean ").filter(|at| has_degrees && message[*at..].contains(" degrees, write"));
         let mut words = message[..asks.unwrap_or(message.len())].split(' ').peekable();
@@ -90,17 +90,17 @@ impl FileUnits {
                 Some(((unit, next), value)) => {
                     let rest = &next[unit.si.len()..];
                     out.push_str(&word[..word.len() - digits.len()]);
-                    // One digit less than the engine gives, which the factor may have changed.
+                    // One digit less than in the engine's message, because the factor may have changed the last digit.
                     let value = value * unit.factor;
                     let own = Decimal(format!("{value:.8e}").parse().unwrap_or(value));
                     out.push_str(&format!("{own} {}{rest}", unit.own));
                     words.next();
-                    // The engine tells degrees beside radians.
-                    let mut beside = words.clone();
-                    let again = beside.next().is_some_and(|word| unit.own == "deg" && word.starts_with('('));
-                    if let Some(rest) = beside.next().filter(|_| again).and_then(|word| word.strip_prefix("deg)")) {
+                    // The engine's message also contains degrees after radians.
+                    let mut following = words.clone();
+                    let again = following.next().is_some_and(|word| unit.own == "deg" && word.starts_with('('));
+                    if let Some(rest) = following.next().filter(|_| again).and_then(|word| word.strip_prefix("deg)")) {
                         out.push_str(rest);
-                        words = beside;
+                        words = following;
                     }
                 }
                 None => out.push_str(&self.bracketed(word)),
@@ -112,7 +112,7 @@ impl FileUnits {
         out
     }
 
-    /// The unit that this word is, but for the signs that follow it.
+    /// The unit in this word, ignoring the signs that follow it.
     fn of_word(&self, word: &str) -> Option<&Unit> {
         let ends = |unit: &&Unit| {
             word.strip_prefix(unit.si)
@@ -121,14 +121,14 @@ impl FileUnits {
         self.0.iter().find(ends)
     }
 
-    /// A unit in brackets, which is asked for.
+    /// Convert a unit in brackets, which a message requests.
     fn bracketed(&self, word: &str) -> String {
         let unit = word.strip_prefix('[').and_then(|inner| self.of_word(inner).filter(|_| inner.contains(']')));
         unit.map_or_else(|| word.to_owned(), |unit| word.replacen(unit.si, unit.own, 1))
     }
 }
 
-/// Five digits.
+/// Round to five digits.
 pub fn number(value: f64) -> String {
     let rounded: f64 = format!("{value:.4e}").parse().unwrap_or(value);
     match rounded.abs() {
@@ -145,7 +145,7 @@ mod tests {
     use linkage_fmu::format::parse;
 
     #[test]
-    fn facts_are_told_as_the_file_states_them() {
+    fn facts_are_in_the_units_of_the_file() {
         let [own, si] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
             .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
         let text = "up at leg = 0.500000 rad, rod = 0.123456 m: held";
@@ -156,10 +156,10 @@ mod tests {
     }
 
     #[test]
-    fn lengths_and_angles_are_told_as_the_file_states_them() {
+    fn lengths_and_angles_are_in_the_units_of_the_file() {
         let [text, none] = [r#"{ "units": { "length": "mm", "angle": "deg" } }"#, "{}"]
             .map(|text| FileUnits::stated(parse("test", text).ok().as_ref()));
-        for (message, told) in [
+        for (message, expected) in [
             ("a = 0.5 m: from -0.2 m to 0.4 m, 1.5 m/s", "a = 500 mm: from -200 mm to 400 mm, 1.5 m/s"),
             ("(3.141592653589793 rad; 2 N.m)", "(180 deg; 2 N.m)"),
             ("give its rough angle [rad]", "give its rough angle [deg]"),
@@ -167,7 +167,7 @@ mod tests {
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
             ("at 15.70796327 rad; if you mean 15 degrees, write 0.2 rad", "at 900 deg"),
         ] {
-            assert_eq!(text.message(message), told);
+            assert_eq!(text.message(message), expected);
             assert_eq!(none.message(message), message);
         }
     }

@@ -1,9 +1,9 @@
-//! `cargo fmu dist`: a Python wheel, so that `pip install` gives the program where there is neither Rust nor the
+//! `cargo fmu dist`: builds a Python wheel, so that `pip install` installs the program without Rust and without the
 //! repository.
 //!
 //! In: the command line of `fmu-build/wheel`, the libraries, the parts of the repository that tasks read. Out: the
-//! wheel, whose name promises a glibc that all in it keep to, and the source distribution, of which pip builds the
-//! wheel where there is Rust.
+//! wheel, whose name states a glibc version that suffices for all its files, and the source distribution, from which
+//! pip builds the wheel if Rust is installed.
 
 mod source;
 mod test;
@@ -23,20 +23,20 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Folder in the wheel of what pip puts into the environment, named in `pyproject.toml`.
+/// Folder of the wheel that pip copies into the environment, as in `pyproject.toml`.
 const DATA: &str = "linkage_fmu.data/data";
 /// Parts of the repository that tasks read, and the reference of the formats.
 const PARTS: [&str; 3] = ["modelDescription", "fmu-build/python", "docs/reference"];
-/// Licences of the crates and fonts in the wheel, which `fmu-build/src/licenses/notices.rs` writes.
+/// Licences of the crates and fonts in the wheel. `fmu-build/src/licenses/notices.rs` writes the file.
 const NOTICES: &str = "THIRD-PARTY.txt";
-/// What a wheel's name says of a program linked with the glibc 2.N of a platform.
+/// Part of a wheel's name for a program that needs the glibc 2.N.
 const PROMISE: &str = "manylinux_2_";
 
-/// Make the wheel; with `test` install and try it.
+/// Build the wheel. With `test` install and test it.
 ///
 /// # Errors
-/// A library cannot be had; Python, its packages or the build fails; the wheel promises more than it keeps; a command
-/// of it fails.
+/// A library is not available; Python, its packages or the build fails; the wheel needs a newer glibc than its name
+/// states; a command of the wheel fails.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let packing = packing(arguments);
     let binaries = package::libraries(workspace, &packing, &[&served::MECHANISMS, &served::HYDRAULICS])?;
@@ -47,7 +47,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     lay_out(workspace, &stage, &binaries)?;
     let made = build(workspace, &stage, arguments)?;
     let content = fs::read(&made).with_context(|| format!("{}: cannot be read", made.display()))?;
-    keeps_its_promise(&made, &binaries)?;
+    works_with_named_glibc(&made, &binaries)?;
     has_licences(&made)?;
     let out = arguments.out.clone().unwrap_or_else(|| workspace.target("dist"));
     let wheel = out.join(made.file_name().context("the wheel has no name")?);
@@ -64,7 +64,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What is packed of the libraries, as `package` has it.
+/// Arguments of `package` for the libraries.
 fn packing(arguments: &Arguments) -> package::Arguments {
     let mut platforms = arguments.platforms.clone();
     if platforms.is_empty() {
@@ -79,12 +79,12 @@ fn packing(arguments: &Arguments) -> package::Arguments {
     }
 }
 
-/// What maturin makes a wheel of, besides the program.
+/// Write the files from which maturin builds the wheel, except for the program.
 fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<()> {
     let source = workspace.wheel();
     let settings = source.join("pyproject.toml");
     let mut text = fs::read_to_string(&settings).with_context(|| format!("{}: cannot be read", settings.display()))?;
-    // The last table is maturin's. Strings of JSON are strings of TOML.
+    // The last table is maturin's. Strings of JSON are valid strings of TOML.
     let manifest = source.join("Cargo.toml").display().to_string();
     text.push_str(&format!("manifest-path = {}\n", serde_json::to_string(&manifest)?));
     files::replace(&stage.join("pyproject.toml"), text.as_bytes())?;
@@ -119,7 +119,7 @@ fn python(workspace: &Workspace) -> Result<PathBuf> {
     command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))
 }
 
-/// Pack files under names into an archive.
+/// Pack files with these names into an archive.
 fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) -> Result<()> {
     fs::create_dir_all(archive.parent().unwrap_or(archive))?;
     let mut python = Command::new(python(workspace)?);
@@ -131,15 +131,15 @@ fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) ->
     Ok(())
 }
 
-/// Build the program and pack the wheel; its path.
+/// Build the program and pack the wheel. Returns its path.
 fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<PathBuf> {
     let out = stage.join("out");
     let mut maturin = Command::new(python(workspace)?);
-    // A wheel with named platforms is for others: it is small. Any other is built in the time of a test.
+    // A wheel for named platforms is for publication, so it is small. Other wheels are built fast.
     let (profile, level) = if arguments.platforms.is_empty() { ("release", "6") } else { ("small", "9") };
     maturin.args(["-m", "maturin", "build", "--profile", profile, "--locked", "--compression-level", level, "--out"]);
     maturin.arg(&out).current_dir(stage);
-    // Of the program that runs now, Cargo tells its children where it lies.
+    // Cargo passes the folder of the running program to its child processes.
     maturin.env_remove("CARGO_MANIFEST_DIR");
     if let Some(glibc) = &arguments.glibc {
         maturin.args(["--zig", "--target", platform::own_triple()?, "--compatibility"]);
@@ -150,7 +150,7 @@ fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<P
     wheel_in(&out)
 }
 
-/// The wheel in a folder; of several, the last one built.
+/// The wheel in a folder. If there are several, the one that was built last.
 ///
 /// # Errors
 /// There is none.
@@ -163,7 +163,7 @@ pub fn wheel_in(folder: &Path) -> Result<PathBuf> {
         .with_context(|| format!("{}: there is no wheel", folder.display()))
 }
 
-/// Install a wheel into the environment of this interpreter, without network, in the place of one that is there.
+/// Install a wheel into the environment of this interpreter, without network. An installed version is replaced.
 ///
 /// # Errors
 /// pip fails.
@@ -173,8 +173,8 @@ pub fn install(python: &Path, wheel: &Path) -> Result<()> {
     command::run(pip.arg("--force-reinstall").arg(wheel), "pip install")
 }
 
-/// Look whether all for Linux in the wheel keeps to the glibc that its name promises.
-fn keeps_its_promise(wheel: &Path, binaries: &[Binary]) -> Result<()> {
+/// Check that all files for Linux in the wheel work with the glibc in its name.
+fn works_with_named_glibc(wheel: &Path, binaries: &[Binary]) -> Result<()> {
     let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let Some(promised) = promise(&name) else { return Ok(()) };
     let mut archive = Fmu::open(wheel)?;
@@ -198,7 +198,7 @@ fn keeps_its_promise(wheel: &Path, binaries: &[Binary]) -> Result<()> {
     Ok(())
 }
 
-/// Whether the wheel has its licences where installers look for them (PEP 639).
+/// Check that the wheel has its licences in the folder for installers (PEP 639).
 fn has_licences(wheel: &Path) -> Result<()> {
     let archive = Fmu::open(wheel)?;
     for name in ["LICENSE-MIT", "LICENSE-APACHE", NOTICES] {
@@ -209,7 +209,7 @@ fn has_licences(wheel: &Path) -> Result<()> {
     Ok(())
 }
 
-/// The glibc that a wheel of this name promises to run on, the oldest of several; None for other systems.
+/// The glibc version in the name of a wheel, the oldest of several. None for other systems.
 fn promise(name: &str) -> Option<String> {
     let minors = name.match_indices(PROMISE).filter_map(|(at, _)| {
         let rest = &name[at + PROMISE.len()..];
@@ -222,7 +222,7 @@ fn promise(name: &str) -> Option<String> {
 mod tests {
     use super::*;
 
-    /// The extras of the wheel name the packages that scripts import, from the version on that is pinned for them.
+    /// The extras of the wheel contain the packages that scripts import, from the pinned version on.
     #[test]
     fn extras_are_the_requirements_of_the_scripts() {
         let workspace = Workspace::locate();
@@ -249,10 +249,10 @@ mod tests {
         assert_eq!(glibc("win_amd64"), None);
     }
 
-    /// A wheel with a program that needs a newer glibc than its name says.
+    /// A wheel with a program that needs a newer glibc than its name states.
     #[test]
     #[cfg(all(target_os = "linux", target_env = "gnu", target_pointer_width = "64"))]
-    fn a_broken_promise_is_told() {
+    fn a_library_with_a_newer_glibc_than_declared_is_rejected() {
         use crate::archive::{self, Entry};
         let content = fs::read(std::env::current_exe().unwrap()).unwrap();
         let needed = Needs::of(&content).unwrap().glibc.unwrap();
@@ -260,7 +260,7 @@ mod tests {
         let wheel = |glibc: &str| {
             let path = folder.join(format!("a-1-py3-none-manylinux_{}_x86_64.whl", glibc.replace('.', "_")));
             archive::write(&path, vec![Entry { name: "a.data/scripts/a".into(), content: content.clone() }]).unwrap();
-            keeps_its_promise(&path, &[])
+            works_with_named_glibc(&path, &[])
         };
         wheel(&needed).unwrap();
         let message = wheel("2.1").unwrap_err().to_string();

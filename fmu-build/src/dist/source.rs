@@ -1,7 +1,7 @@
-//! The source distribution: what Cargo and the wheel need of the repository, and how pip builds the wheel of it.
+//! The source distribution: the files of the repository that Cargo and the wheel need, and the build instructions for
+//! pip.
 //!
-//! In: the files that git keeps, the metadata of the wheel. Out: an archive that `pip install` takes where there is
-//! Rust.
+//! In: the files that git tracks, the metadata of the wheel. Out: an archive for `pip install` on a machine with Rust.
 
 use super::pack;
 use crate::fmu::Fmu;
@@ -11,17 +11,17 @@ use anyhow::{Context, Result, ensure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Folders that no build reads: pictures, and what was measured.
+/// Folders that no build reads: pictures and measured results.
 const LEFT_OUT: [&str; 3] = ["validation/results/", "validation/figures/", "validation/report"];
 const PICTURES: [&str; 2] = ["gif", "png"];
-/// How pip builds the wheel (PEP 517).
+/// Build instructions for pip (PEP 517).
 const BUILD_SYSTEM: &str = r#"[build-system]
 requires = []
 build-backend = "source_build"
 backend-path = ["fmu-build/wheel"]
 "#;
 
-/// Write the source distribution into the folder; None where git keeps no files, as in a source distribution.
+/// Write the source distribution into the folder. None without a git repository, as in a source distribution.
 ///
 /// # Errors
 /// git cannot list the files; the wheel has no metadata; the archive cannot be written.
@@ -42,7 +42,7 @@ pub fn distribution(workspace: &Workspace, wheel: &Path, out: &Path) -> Result<O
     let listed = String::from_utf8_lossy(&output.stdout).into_owned();
     for file in listed.split('\0').filter(|file| is_built(file)) {
         let path = workspace.root().join(file);
-        // What was deleted and not committed.
+        // Files that were deleted and not committed are skipped.
         if path.is_file() {
             entries.push((path, format!("{name}/{file}")));
         }

@@ -1,6 +1,6 @@
-//! The wheel, installed in a new virtual environment and used without Rust and without the repository.
+//! Test of the wheel in a new virtual environment, without Rust and without the repository.
 //!
-//! In: the wheel. Out: an error if a command fails there, or gives other bytes than `cargo fmu` does.
+//! In: the wheel. Out: an error if a command fails, or if its files differ from those of `cargo fmu`.
 
 use crate::fmu::Fmu;
 use crate::workspace::{MECHANISM, Workspace};
@@ -11,11 +11,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Where the wheel is tried: paths have spaces, percent signs and letters beyond ASCII.
+/// Folder of the test: its path has spaces, percent signs and letters beyond ASCII.
 const FOLDER: &str = "a wheel 100% tried é";
-/// The model of the trial.
+/// The model of the test.
 const MODEL: &str = "FourBar";
-/// A study of it.
+/// A study of the model.
 const STUDY: &str = r#"{
     "mechanism": "my four-bar.json",
     "factors": { "load_factor": { "values": [0.5, 1, 1.5] } },
@@ -26,16 +26,16 @@ const STUDY: &str = r#"{
 /// The installed program.
 struct Installed {
     program: PathBuf,
-    /// Interpreter of the environment in which it is installed.
+    /// Interpreter of its environment.
     interpreter: PathBuf,
-    /// Folder in which it is used.
+    /// Folder in which the program runs.
     here: PathBuf,
-    /// A folder with nothing in it.
+    /// An empty folder.
     empty: PathBuf,
     home: PathBuf,
-    /// Folder in which Python's environments are kept, from one trial to the next.
+    /// Folder in which Python's environments are kept between two tests.
     kept: PathBuf,
-    /// Interpreter that makes environments.
+    /// Interpreter that creates environments.
     python: PathBuf,
 }
 
@@ -66,18 +66,18 @@ impl Installed {
         Ok(Self { program, interpreter, here, empty, home, kept, python: tools })
     }
 
-    /// Call the program with these words; what it prints, if it ends with this exit code.
+    /// Run the program with these arguments. Returns its output if it exits with this code.
     fn call(&self, words: &[&str], code: i32) -> Result<String> {
         self.output(&self.program, words, code)
     }
 
-    /// Call a program of the environment; as [`Self::call`].
+    /// Run a program of the environment, as in [`Self::call`].
     fn output(&self, program: &Path, words: &[&str], code: i32) -> Result<String> {
         let mut command = Command::new(program);
         command.args(words).current_dir(&self.here);
-        // Neither cargo nor rustc is found, nor are their places told.
-        let told = env::vars_os().map(|(name, _)| name);
-        for name in told.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
+        // Neither cargo nor rustc is on the path, and no variable contains their folders.
+        let names = env::vars_os().map(|(name, _)| name);
+        for name in names.filter(|name| ["CARGO", "RUST"].iter().any(|tool| name.to_string_lossy().starts_with(tool))) {
             command.env_remove(name);
         }
         command.env("PATH", &self.empty).env("HOME", &self.home).env("XDG_CACHE_HOME", &self.kept);
@@ -89,16 +89,16 @@ impl Installed {
         Ok(text)
     }
 
-    /// Content of a file that the program should have made.
+    /// Content of a file that the program should have written.
     fn made(&self, name: &str) -> Result<Vec<u8>> {
         fs::read(self.here.join(name)).with_context(|| format!("{name}: was not made"))
     }
 }
 
-/// Try the wheel, whose libraries `packing` gives here.
+/// Test the wheel. `packing` gives the same libraries here.
 ///
 /// # Errors
-/// It cannot be installed, a command fails, or files differ.
+/// The wheel cannot be installed, a command fails, or files differ.
 pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) -> Result<()> {
     let installed = Installed::new(workspace, wheel)?;
     let own = format!("{MODEL}.fmu");
@@ -139,13 +139,13 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
     let same = package::Arguments { paths: vec![copied], out: Some(out), ..packing.clone() };
     for expected in package::run(workspace, &same)? {
         let found = installed.here.join(expected.file_name().unwrap_or_default());
-        differs_nowhere(&expected, &found)?;
+        check_equal(&expected, &found)?;
     }
     println!("the installed program does its tasks without Rust, and packs the same FMU as `cargo fmu package`");
     module(workspace, &installed, wheel)
 }
 
-/// Test the Python module in an environment with what its tests need.
+/// Test the Python module in an environment with the packages of its tests.
 fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<()> {
     let tests = workspace.module_tests();
     let python = command::environment(&workspace.target("venv-module"), &tests.join("requirements.txt"))?;
@@ -156,8 +156,8 @@ fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<
     command::run(&mut pytest, "pytest of the module")
 }
 
-/// Compare two FMUs, entry by entry. The installed program packs its own library alone.
-fn differs_nowhere(expected: &Path, found: &Path) -> Result<()> {
+/// Compare two FMUs, entry by entry. The installed program packs only its own library.
+fn check_equal(expected: &Path, found: &Path) -> Result<()> {
     let (mut expected, mut found) = (Fmu::open(expected)?, Fmu::open(found)?);
     for name in found.names().to_vec() {
         if expected.read(&name)? != found.read(&name)? {

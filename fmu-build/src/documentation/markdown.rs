@@ -1,16 +1,16 @@
-//! A user's text in Markdown as HTML that can do nothing but be read.
+//! Converts a user's Markdown text to harmless HTML.
 //!
-//! In: CommonMark with tables. Out: HTML without scripts, pictures or foreign elements: raw HTML is shown as it is
-//! written, only links to the web and to mail addresses are links.
+//! In: CommonMark with tables. Out: HTML without scripts, pictures or foreign elements. Raw HTML is shown as text. Only
+//! links to the web and to mail addresses remain links.
 
 use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd, html};
 
-/// Beginnings of addresses that lead somewhere from within an FMU.
+/// Prefixes of addresses that work within an FMU.
 const ADDRESSES: [&str; 3] = ["https://", "http://", "mailto:"];
 
-/// The HTML of a text. Its first heading is one of the third level, below those of the page.
+/// The HTML of a text. Its headings start at the third level, below those of the page.
 pub fn to_html(text: &str) -> String {
-    // For each open link whether it is kept.
+    // For each open link: whether it is kept.
     let mut links = Vec::new();
     let events = Parser::new_ext(text, Options::ENABLE_TABLES | Options::ENABLE_STRIKETHROUGH).filter_map(|event| {
         Some(match event {
@@ -23,7 +23,7 @@ pub fn to_html(text: &str) -> String {
                 return links.last().copied().unwrap_or(false).then_some(event);
             }
             Event::End(TagEnd::Link) => return links.pop().unwrap_or(false).then_some(event),
-            // The words in place of a picture stay.
+            // The alternative text of a picture remains.
             Event::Start(Tag::Image { .. }) | Event::End(TagEnd::Image) => return None,
             Event::Start(Tag::Heading { level, .. }) => {
                 let (id, classes, attrs) = (None, Vec::new(), Vec::new());
@@ -35,7 +35,7 @@ pub fn to_html(text: &str) -> String {
     });
     let mut out = String::with_capacity(2 * text.len());
     html::push_html(&mut out, events);
-    // Of the text itself every `<` is escaped: these are the heads of columns.
+    // Every `<` of the text is escaped, so these are the heads of columns.
     out.replace("<th ", "<th scope=\"col\" ").replace("<th>", "<th scope=\"col\">")
 }
 

@@ -1,7 +1,7 @@
-//! What an FMU tells of itself: the page, the pictures, the animation, the scene file, the reference results.
+//! The documentation in an FMU: page, pictures, animation, scene file, reference results.
 //!
-//! In: a checked definition, its model, the user's own text. Out: files of the FMU, the same bytes for the same
-//! definition. It must not know how an FMU is packed.
+//! In: a checked definition, its model, the user's own text. Out: files of the FMU. Their bytes depend only on the
+//! definition. The module must not know how an FMU is packed.
 
 mod markdown;
 mod page;
@@ -27,14 +27,14 @@ pub use scene::path as scene_path;
 pub const PAGE: &str = "documentation/index.html";
 /// Path of the animated page in an FMU.
 pub const ANIMATION: &str = "documentation/animation.html";
-/// Path of the picture that stands for the FMU (FMI 2.0.5, 2.3).
+/// Path of the icon of the FMU (FMI 2.0.5, 2.3).
 pub const ICON: &str = "model.png";
-/// The picture beside the terminals (FMI 3.0, 2.5.1.1), as pixels and as lines.
+/// The icon next to the terminals (FMI 3.0, 2.5.1.1), as PNG and as SVG.
 pub const TERMINAL_ICONS: [&str; 2] = ["terminalsAndIcons/icon.png", "terminalsAndIcons/icon.svg"];
-/// Width and height of the picture [px].
+/// Width and height of the icon [px].
 const ICON_SIDE: f64 = 256.0;
 
-/// What is wanted in an FMU beside the page and the pictures.
+/// Optional files besides the page and the pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Extent {
     /// The animated page.
@@ -43,40 +43,40 @@ pub struct Extent {
     pub results: bool,
 }
 
-/// A model, and what its user says of it.
+/// A model, and the user's description of it.
 pub struct Subject<'a> {
     /// The checked definition.
     pub checked: &'a Checked,
     /// Its model.
     pub component: &'a Component,
-    /// Text of the README beside the definition, if there is one.
+    /// Text of the README next to the definition, if there is one.
     pub readme: Option<&'a str>,
 }
 
-/// What was made, and what was not.
+/// The written files, and the omitted ones.
 #[derive(Debug, Default)]
 pub struct Made {
     /// Files of the FMU.
     pub entries: Vec<Entry>,
-    /// Why a file was left out, one line each.
+    /// Reasons for omitted files, one per line.
     pub left_out: Vec<String>,
 }
 
 impl Subject<'_> {
-    /// Whether the model is a mechanism, with a linkage to be drawn.
+    /// Whether the model is a mechanism with a linkage to draw.
     fn is_mechanism(&self) -> bool {
         self.component.definition_file() == MECHANISM
     }
 
-    /// Path of the definition in the FMU, by which pages name it: the same wherever the definition was.
+    /// Path of the definition in the FMU, which pages use for any original path.
     fn path(&self) -> String {
         format!("resources/{}", self.component.definition_file())
     }
 
-    /// The files that tell of this model.
+    /// The documentation files of this model.
     ///
     /// # Errors
-    /// The model has no position to be drawn, or a template is wrong. A run that cannot be made is no error.
+    /// The model has no position that can be drawn, or a template is invalid. A failed run is no error.
     pub fn files(&self, workspace: &Workspace, extent: Extent) -> Result<Made> {
         let mut made = Made::default();
         let mut add = |name: &str, content: Vec<u8>| made.entries.push(Entry { name: name.to_owned(), content });
@@ -113,7 +113,7 @@ impl Subject<'_> {
         Ok(made)
     }
 
-    /// The page that plays the default run.
+    /// The page with the animation of the default run.
     fn animation(&self) -> Result<String> {
         let checked = Checked {
             shown: self.path(),

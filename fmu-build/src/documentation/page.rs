@@ -1,7 +1,7 @@
 //! The page `documentation/index.html` of an FMU.
 //!
-//! In: a model, its drawing, what the check has found out about it, the user's text. Out: one HTML document without
-//! scripts that loads nothing. It must not know how anything is drawn.
+//! In: a model, its drawing, the facts of the check, the user's text. Out: one HTML document without scripts that loads
+//! no other files. The module must not know how anything is drawn.
 
 use super::results::Results;
 use super::variables::tables;
@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 const TEMPLATE: &str = include_str!("page/template.html");
 const STYLE: &str = include_str!("page/page.css");
 
-/// What conventions a page tells.
+/// Conventions that the page states.
 #[derive(Debug, Default, Serialize)]
 struct Conventions {
     /// Gravity: its acceleration [m/s2], the angle of the downward direction [deg], the load factor at the start.
@@ -115,7 +115,7 @@ fn conventions(component: &Component, mechanism: Option<&Mechanism>) -> Conventi
     }
 }
 
-/// Facts of the check, by topics.
+/// Facts of the check, grouped by topic.
 fn topics(subject: &Subject) -> Vec<Topic> {
     let mut topics: Vec<Topic> = Vec::new();
     for fact in &subject.checked.inspection.facts {
@@ -128,13 +128,13 @@ fn topics(subject: &Subject) -> Vec<Topic> {
     topics
 }
 
-/// Most names in a line of the summary.
+/// Largest number of names in a line of the summary.
 const NAMED: usize = 8;
 
-/// A line of the summary: what it is about, and text.
+/// A line of the summary: its subject, and its text.
 type Line = (&'static str, String);
 
-/// The model in a few lines: what it is, its travel, strokes and forces, its inputs and outputs.
+/// Summary of the model: kind, travel, strokes and forces, inputs and outputs.
 fn summary(subject: &Subject) -> Vec<Line> {
     let Subject { checked, component, .. } = subject;
     let facts = |topic: &'static str| checked.inspection.facts.iter().filter(move |fact| fact.topic == topic);

@@ -1,13 +1,13 @@
 //! The parts of a mechanism as tables: bodies, joints, drives, springs, stops, locks, markers.
 //!
-//! In: a checked definition. Out: rows of texts, the first of each row the name.
+//! In: a checked definition. Out: rows of texts. The first text of each row is the name.
 
 use super::variables::rounded;
 use crate::check::FileUnits;
 use linkage_fmu::mechanism::definition::{JointKind, Limit, Mechanism, Stop};
 use serde::Serialize;
 
-/// Most rows of a table; the definition has the others.
+/// Largest number of rows of a table. The definition contains the other parts.
 const MOST_ROWS: usize = 5000;
 
 /// A table of parts.
@@ -16,7 +16,7 @@ pub struct Table {
     title: &'static str,
     columns: Vec<String>,
     rows: Vec<Vec<String>>,
-    /// Number of parts for which there is no row.
+    /// Number of parts without a row.
     left_out: usize,
 }
 
@@ -101,7 +101,7 @@ fn between(first: &Option<String>, second: &Option<String>, joint: &Option<Strin
     }
 }
 
-/// What a stop limits, and to which value.
+/// The quantity that a stop limits, and the limit.
 fn limit(stop: &Stop, units: &FileUnits) -> String {
     let side = if stop.limit == Limit::Lower { "at least" } else { "at most" };
     let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| between(&stop.first, &stop.second, &None));

@@ -1,6 +1,6 @@
-//! What is drawn of a model: a mechanism at its start, or a cylinder.
+//! The drawing of a model: a mechanism at its start, or a cylinder.
 //!
-//! In: a model. Out: drawings of it for a page and for an icon.
+//! In: a model. Out: its drawings for a page and for an icon.
 
 use crate::drawing::{Cylinder, Drawing, Format, cylinder, mechanism};
 use anyhow::{Context, Result};
@@ -9,9 +9,9 @@ use linkage_fmu::mechanism::inspection::{Pose, Scene, SweptStop, attempt};
 
 /// Widths of the drawings for a wide and for a narrow page [px].
 const WIDTHS: [f64; 2] = [880.0, 380.0];
-/// Height to width below which a mechanism is too flat for an icon.
+/// Ratio of height to width below which a mechanism is too flat for an icon.
 const FLAT: f64 = 0.2;
-/// Positions of the travel among which an icon is chosen then.
+/// Number of positions of the travel from which the icon of a flat mechanism is chosen.
 const POSITIONS: usize = 24;
 
 /// A model to be drawn.
@@ -21,7 +21,7 @@ pub enum Picture {
     Mechanism {
         /// Name.
         name: String,
-        /// What there is to be drawn.
+        /// The parts to draw.
         scene: Box<Scene>,
         /// Poses at the start.
         start: Vec<Pose>,
@@ -39,10 +39,10 @@ pub enum Picture {
     },
 }
 
-/// What is drawn of a network without cylinders.
+/// The cylinder that represents a network without cylinders.
 const PLAIN: Cylinder = Cylinder { bore: 0.05, rod: 0.03, stroke: 0.3, closed_length: 0.4, length: 0.55 };
 
-/// Owners of the parameters and of the length of the first cylinder of a hydraulic model; none without cylinders.
+/// Prefixes of the parameters and of the length of the first cylinder of a hydraulic model. None without cylinders.
 fn first_cylinder(component: &Component) -> Option<[String; 2]> {
     let position = component.interface().list().iter().find(|v| v.name.ends_with(".stroke_position"))?;
     let owner = position.name.strip_suffix(".stroke_position")?.to_owned();
@@ -52,17 +52,17 @@ fn first_cylinder(component: &Component) -> Option<[String; 2]> {
 }
 
 impl Picture {
-    /// What is drawn of this model, whose definition has this text.
+    /// The picture of this model, whose definition has this text.
     ///
     /// # Errors
-    /// The bodies cannot be placed, or the actuator has no cylinder.
+    /// The bodies have no position, or the actuator has no cylinder.
     pub fn new(component: &Component, text: &str) -> Result<Self> {
         let name = component.name().to_owned();
         match component {
             Component::Mechanism(model) => {
                 let mut model = model.clone();
                 let at_start = model.initialize().ok().and_then(|()| Some((model.scene().ok()?, model.poses()?)));
-                // A start that is refused leaves the assembled position.
+                // If the start is rejected, the assembled position is drawn.
                 let assembled = || attempt(text).map(|attempt| (attempt.scene, attempt.poses));
                 let (scene, start) =
                     at_start.or_else(assembled).context("the bodies have no position for the picture")?;
@@ -99,7 +99,7 @@ impl Picture {
         }
     }
 
-    /// What there is to be drawn of a mechanism.
+    /// The scene of a mechanism.
     pub fn scene(&self) -> Option<&Scene> {
         match self {
             Self::Mechanism { scene, .. } => Some(scene),
@@ -133,7 +133,7 @@ impl Picture {
     }
 }
 
-/// Smaller by larger side of what the joints fill: 0 on a line.
+/// Ratio of the smaller to the larger side of the box around the joints: 0 on a line.
 fn flatness(scene: &Scene, poses: &[Pose]) -> f64 {
     let sides = crate::drawing::sides(scene, poses);
     let [least, most] = [sides[0].min(sides[1]), sides[0].max(sides[1])];

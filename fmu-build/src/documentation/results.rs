@@ -1,5 +1,5 @@
-//! Reference results after the layered standard FMI-LS-REF 1.0.0-alpha.1: what the default run gives, to be compared
-//! with what another tool makes of the FMU.
+//! Reference results according to the layered standard FMI-LS-REF 1.0.0-alpha.1: the results of the default run, for
+//! comparison with the results of other tools.
 //!
 //! In: a model. Out: inputs and outputs of its default run as CSV, and the manifest that names them.
 
@@ -17,23 +17,23 @@ use std::{fs, process};
 pub const FOLDER: &str = "extra/org.fmi-standard.fmi-ls-ref";
 /// Path of the manifest in the FMU.
 pub const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
-/// Path of the remarks, as the layered standard recommends them.
+/// Path of the remarks, as recommended by the layered standard.
 const REMARKS: &str = "documentation/fmi-ls-ref.txt";
-/// Most rows of the results: enough for a curve, little beside the library.
+/// Largest number of rows of the results: enough for a curve, and small compared with the library.
 const MOST_ROWS: u64 = 200;
-/// Most outputs of a model that has results.
+/// Largest number of outputs of a model with results.
 const MOST_OUTPUTS: usize = 2000;
 
 /// Inputs and outputs of the default run.
 #[derive(Clone, Debug)]
 pub struct Results {
     name: String,
-    /// The inputs as CSV; none of a model without inputs.
+    /// The inputs as CSV. None for a model without inputs.
     inputs: Option<String>,
     outputs: String,
-    /// Time from one step of the run to the next [s].
+    /// Time between two steps of the run [s].
     pub interval: f64,
-    /// Steps from one row to the next.
+    /// Number of steps between two rows.
     pub stride: u64,
     /// Rows of the results.
     pub rows: usize,
@@ -43,7 +43,7 @@ impl Results {
     /// Run the model from its start values over its experiment.
     ///
     /// # Errors
-    /// The run cannot be made, or not to its end, or the model has very many outputs.
+    /// The run fails or ends early, or the model has too many outputs.
     pub fn new(workspace: &Workspace, component: &Component) -> Result<Self> {
         let is_output = |variable: &&Variable| variable.causality == Causality::Output;
         let count = component.interface().list().iter().filter(is_output).count();
@@ -60,7 +60,7 @@ impl Results {
         let mut after = component.clone();
         let ran = run::default_run(&mut after, &path, MOST_ROWS);
         let text = fs::read_to_string(&path).with_context(|| format!("{}: cannot be read", path.display()));
-        // What is left there is written over by the next run.
+        // The next run overwrites a remaining file.
         let _ = fs::remove_file(&path);
         let (run::DefaultRun { interval, stride }, outputs) = (ran?, text?);
         let rows = outputs.lines().count().saturating_sub(1);
@@ -84,7 +84,7 @@ impl Results {
         self.inputs.as_ref().map(|_| format!("{FOLDER}/{}_in.csv", self.name))
     }
 
-    /// What there is to know of them.
+    /// The text of the remarks.
     fn remarks(&self) -> String {
         format!(
             "Reference results of {name}, in the form of the layered standard FMI-LS-REF.\n\n\
@@ -110,7 +110,7 @@ impl Results {
         )
     }
 
-    /// The files for the FMU, whose definition has this path.
+    /// The files for the FMU, in which the definition has this path.
     ///
     /// # Errors
     /// XML cannot be written.
@@ -157,8 +157,8 @@ impl Results {
     }
 }
 
-/// The inputs of the default run: their start values at its beginning and at its end. None where a step moves inputs,
-/// such as the length of a cylinder that follows its predicted motion: constants would put it back. `after`: the
+/// The inputs of the default run: their start values at the start and at the end. None if a step changes inputs, such
+/// as the length of a cylinder that follows its predicted motion: constant inputs would reset it. `after`: the
 /// component at the end of the run.
 fn inputs(component: &Component, after: &mut Component) -> Result<Option<String>> {
     let list = component.interface().list().iter().enumerate();

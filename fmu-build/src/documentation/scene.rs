@@ -1,11 +1,11 @@
 //! The scene file `resources/<Name>_visual.xml`, which OpenModelica's viewers draw.
 //!
-//! In: a mechanism's scene, its poses at the start and over the travel. Out: shapes in the frames of the bodies as XML,
-//! the same bytes for the same definition. It must not know how a viewer draws.
+//! In: the scene of a mechanism, its poses at the start and over the travel. Out: shapes in the frames of the bodies as
+//! XML. The bytes depend only on the definition. The module must not know how a viewer draws.
 //!
-//! A number of the format is a constant or the name of a variable. With the rows of T the axes of a frame and r its
-//! origin, a point p of the frame is at r + p T in the mechanism frame, and a shape reaches from there along
-//! `lengthDir` T over its length.
+//! A number of the format is a constant or the name of a variable. With the axes of a frame as the rows of T, and its
+//! origin r, a point p of the frame is at r + p T in the mechanism frame. A shape extends from there along `lengthDir`
+//! T over its length.
 
 use super::Picture;
 use crate::drawing::{Ink, hull};
@@ -16,15 +16,15 @@ use linkage_fmu::mechanism::inspection::{DrawnBody, DrawnJoint, On, Pose, Scene}
 use quick_xml::events::BytesText;
 use std::io;
 
-/// Half the width of a body, as a part of the mechanism's size: that of the drawing.
+/// Half the width of a body relative to the size of the mechanism, as in the drawing.
 const HALF: f64 = 0.022;
-/// Distance below which two points are one, as a part of the mechanism's size.
+/// Distance below which two points coincide, relative to the size of the mechanism.
 const LEAST: f64 = 1e-9;
-/// Positions of the travel among which the reach of a guide is found.
+/// Number of positions of the travel from which the range of a guide is found.
 const POSITIONS: usize = 200;
-/// Most shapes; a viewer moves each of them in each frame.
+/// Largest number of shapes. A viewer moves each shape in each frame.
 const MOST_SHAPES: usize = 5000;
-/// Share of light that a surface reflects as a mirror.
+/// Part of the light that a surface reflects like a mirror.
 const SPECULAR: f64 = 0.7;
 
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -48,16 +48,16 @@ struct Solid {
     /// Word of the format.
     kind: &'static str,
     frame: usize,
-    /// Point from which it reaches along its direction [m].
+    /// Point from which the solid extends along its direction [m].
     from: [f64; 3],
     along: [f64; 3],
     length: Value,
-    /// Width and height [m]; of what is round the diameter.
+    /// Width and height [m]. The diameter of a round solid.
     sides: [f64; 2],
     ink: Ink,
 }
 
-/// The scene file; none of a model without a linkage, or with so many shapes that no viewer could move them.
+/// The scene file. None for a model without a linkage, or with too many shapes for a viewer.
 ///
 /// # Errors
 /// XML cannot be written.
@@ -95,7 +95,7 @@ impl Draft<'_> {
         self.solids
     }
 
-    /// Supports below the points of the ground that carry a pin or the end of a drive or a spring.
+    /// Supports below the points of the ground with a pin or with the end of a drive or spring.
     fn ground(&mut self) {
         let scene = self.scene;
         let pins = scene.joints.iter().filter(|joint| joint.axis.is_none()).flat_map(|j| [j.first, j.second]);
@@ -121,7 +121,7 @@ impl Draft<'_> {
         }
     }
 
-    /// The edges of a body's hull as rods; a single point as a ball, if no block of a prismatic joint stands there.
+    /// The edges of a body's hull as rods. A single point is a ball, unless the block of a prismatic joint is there.
     fn body(&mut self, body: &DrawnBody) {
         let frame = body.center.frame;
         let ink = Ink::Body(frame - 1);
@@ -144,7 +144,7 @@ impl Draft<'_> {
             let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
             self.rod(name, frame, [a, b], 2.0 * self.half, ink);
             if edges > 1 {
-                // Rounds the corner off.
+                // A ball rounds the corner.
                 self.ball(format!("body.{}.corner{}", body.name, k + 1), On { frame, at: a }, 2.0 * self.half, ink);
             }
         }
@@ -201,8 +201,8 @@ impl Draft<'_> {
         let ends = [at(low.min(0.0) - 2.9 * half), at(high.max(0.0) + 2.9 * half)];
         self.rod(format!("guide.{}", joint.name), joint.first.frame, ends, 0.5 * half, Ink::Muted);
         self.drive(joint, axis, low);
-        // The block stands on the axis, even where the second point is beside it: at a constant place of its body,
-        // whose angle to the axis is constant too.
+        // The block is on the axis, also if the second point is not. Its position in its body and its angle to the axis
+        // are constant.
         let [_, aside] = slide(joint, axis, self.start);
         let (sin, cos) = (self.start[joint.first.frame][0] - self.start[second.frame][0]).sin_cos();
         let along = [cos * axis[0] - sin * axis[1], sin * axis[0] + cos * axis[1]];
@@ -220,8 +220,8 @@ impl Draft<'_> {
         });
     }
 
-    /// A drive along the guide: its direction is that of the axis, its length its own variable. One whose position
-    /// changes its sign would be a cylinder of negative length.
+    /// A drive along the guide: its direction is that of the axis, its length is its own variable. A drive whose
+    /// position changes its sign is skipped, as its cylinder would have a negative length.
     fn drive(&mut self, joint: &DrawnJoint, axis: [f64; 2], low: f64) {
         let drives = self.scene.actuators.iter().filter(|drive| drive.ends.is_none());
         let of_joint = |index: usize| self.scene.joints.get(index).is_some_and(|other| other.name == joint.name);
@@ -241,7 +241,8 @@ impl Draft<'_> {
     }
 }
 
-/// Position of a prismatic joint's second point along the axis through the first, and to the left of it [m].
+/// Position of the second point of a prismatic joint along the axis through the first point, and to the left of the
+/// axis [m].
 fn slide(joint: &DrawnJoint, axis: [f64; 2], poses: &[Pose]) -> [f64; 2] {
     let position = |On { frame, at: [u, v] }: On| {
         let [angle, x, y] = poses[frame];
@@ -274,7 +275,7 @@ impl Solid {
             one(),
         ];
         let [width, height] = self.sides.map(Value::Constant);
-        // Across the direction: z, or x of what reaches along z.
+        // Transverse direction: z, or x for a solid along z.
         let across = if self.along == Z { X } else { Z };
         group(xml, "shape", |xml| {
             text(xml, "ident", &self.name)?;
@@ -301,7 +302,7 @@ fn text(xml: &mut Xml, name: &str, content: &str) -> io::Result<()> {
 fn values(xml: &mut Xml, name: &str, all: &[Value]) -> io::Result<()> {
     group(xml, name, |xml| {
         all.iter().try_for_each(|value| match value {
-            // A sum with 0 has no sign where it is 0.
+            // Adding 0 removes the sign of a negative zero.
             Value::Constant(value) => text(xml, "exp", &number(value + 0.0)),
             Value::Variable(name) => text(xml, "cref", name),
         })

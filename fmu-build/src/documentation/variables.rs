@@ -1,6 +1,6 @@
 //! The variables of a model as tables.
 //!
-//! In: the interface. Out: rows of texts, with the attributes that `modelDescription.xml` has.
+//! In: the interface. Out: rows of texts with the attributes of `modelDescription.xml`.
 
 use crate::check::FileUnits;
 use crate::xml::common::number;
@@ -8,9 +8,9 @@ use crate::xml::fmi2::kind_attributes;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Value, Variability, Variable};
 use serde::Serialize;
 
-/// Most variables of a table; `modelDescription.xml` has the others.
+/// Largest number of variables of a table. `modelDescription.xml` contains the others.
 const MOST_ROWS: usize = 5000;
-/// Most inputs that are named in one row.
+/// Largest number of inputs that are named in one row.
 const MOST_NAMES: usize = 24;
 
 /// The variables of one causality.
@@ -18,13 +18,13 @@ const MOST_NAMES: usize = 24;
 pub struct Table {
     id: &'static str,
     title: &'static str,
-    /// What holds for all of them.
+    /// Remark about all variables of the table.
     remark: &'static str,
     has_starts: bool,
     has_ranges: bool,
     has_dependencies: bool,
     rows: Vec<Row>,
-    /// Number of variables for which there is no row.
+    /// Number of variables without a row.
     left_out: usize,
 }
 
@@ -33,14 +33,14 @@ pub struct Table {
 struct Row {
     name: String,
     description: String,
-    /// Unit, or the kind of what has none.
+    /// Unit, or the type of a variable without unit.
     unit: String,
     start: String,
     range: String,
     dependencies: String,
 }
 
-/// Inputs, outputs, parameters and local variables, as far as there are any.
+/// Inputs, outputs, parameters and local variables, if there are any.
 pub fn tables(interface: &Interface, units: &FileUnits) -> Vec<Table> {
     let kinds = [
         ("inputs", "Inputs", "A simulation tool can set these variables between two steps.", Causality::Input),
@@ -96,7 +96,7 @@ pub fn tables(interface: &Interface, units: &FileUnits) -> Vec<Table> {
 fn row(variable: &Variable, interface: &Interface, inputs: &[Reference], units: &FileUnits) -> Row {
     let attributes = kind_attributes(variable, None);
     let attribute = |name: &str| attributes.iter().find(|(key, _)| *key == name).map(|(_, value)| value.as_str());
-    // The largest numbers stand for no limit.
+    // The largest numbers represent no limit.
     let is_limit = |text: &&str| text.parse::<f64>().map_or(true, |value| value.abs() < 1e99);
     let kind = match (variable.kind, variable.variability) {
         (Kind::Boolean, _) => "true or false",
@@ -119,7 +119,7 @@ fn row(variable: &Variable, interface: &Interface, inputs: &[Reference], units: 
     }
 }
 
-/// The start value, in the display unit too.
+/// The start value, also in the display unit.
 fn start(variable: &Variable, units: &FileUnits) -> String {
     match &variable.start {
         None => String::new(),
@@ -135,17 +135,17 @@ fn start(variable: &Variable, units: &FileUnits) -> String {
     }
 }
 
-/// Six digits.
+/// Round to six digits.
 pub fn rounded(value: f64) -> String {
     number(format!("{value:.5e}").parse().unwrap_or(value))
 }
 
-/// A written number to six digits.
+/// Round a written number to six digits.
 fn short(text: &str) -> String {
     text.parse().map_or_else(|_| text.to_owned(), rounded)
 }
 
-/// The inputs on which an output depends at once, in the fewest words.
+/// The inputs on which an output depends directly, as a short text.
 fn dependencies(variable: &Variable, interface: &Interface, inputs: &[Reference]) -> String {
     let own = &variable.dependencies;
     let named = |references: &mut dyn Iterator<Item = Reference>, count: usize| {

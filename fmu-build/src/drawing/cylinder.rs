@@ -14,9 +14,9 @@ pub struct Cylinder {
     pub rod: f64,
     /// Stroke [m].
     pub stroke: f64,
-    /// Distance of the ends when the piston is at its inner end [m].
+    /// Distance of the ends of the cylinder with the piston at its inner end [m].
     pub closed_length: f64,
-    /// Distance of the ends now [m].
+    /// Present distance of the ends of the cylinder [m].
     pub length: f64,
 }
 
@@ -28,7 +28,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         Format::Icon { side } => ([side; 2], 0.12 * side),
     };
     let u = format.symbols();
-    // An icon shows the piston halfway, and half a rod, so that the parts can be told apart.
+    // An icon shows the piston near the middle and half a rod, so that the parts can be distinguished.
     let part = if format.is_page() { ((length - closed_length) / stroke).clamp(0.0, 1.0) } else { 0.4 };
     let reach = closed_length + stroke;
     let scale = (size[0] - 2.0 * margin) / reach;
@@ -40,7 +40,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         Format::Icon { .. } => 0.16 * high,
     };
     let rod_half = if format.is_page() { (half * rod / bore).max(2.0) } else { 0.35 * half };
-    // The barrel is as long as the stroke with its heads; the rest is the eye's and the rod's.
+    // The barrel with its heads is as long as the stroke. The rest belongs to the eye and the rod.
     let (from, inner) = (0.35 * (closed_length - stroke).max(0.1 * reach) * scale, stroke * scale);
     let (head, piston) = (6.0 * u, 9.0 * u);
     let to = from + inner + piston + 2.0 * head;
@@ -84,7 +84,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
         shapes.extend(arrow(axis.at(0.5 * eye, below), axis.at(0.0, below), 8.0, Ink::Muted, 1.3));
         shapes.extend(arrow(axis.at(0.5 * eye, below), axis.at(eye, below), 8.0, Ink::Muted, 1.3));
         label(axis.at(0.5 * eye, below - 12.0), &format!("length {length:.4} m"), Ink::Muted);
-        // The longest that it can be.
+        // End at the largest length.
         let end = reach * scale;
         shapes.push(Shape::line(vec![axis.at(eye, 0.0), axis.at(end, 0.0)], Ink::Muted, 1.0).dashed(&[4.0, 4.0]));
         shapes.push(Shape::line(vec![axis.at(end, -9.0), axis.at(end, 9.0)], Ink::Muted, 1.3));
@@ -103,7 +103,7 @@ pub fn cylinder(name: &str, cylinder: &Cylinder, format: Format) -> Drawing {
     }
 }
 
-/// Places at the foot of the drawing.
+/// Positions at the lower edge of the drawing.
 struct Foot {
     valve: Point,
     supply: Point,

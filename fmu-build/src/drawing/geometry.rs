@@ -1,8 +1,8 @@
-//! Hulls of points, round lengths.
+//! Convex hulls, round lengths, ranges.
 
 use super::Point;
 
-/// Corners of the convex hull, in order. Points whose distance is below `least` are one.
+/// Corners of the convex hull, in order. Points with a distance below `least` count as one point.
 pub fn hull(mut points: Vec<Point>, least: f64) -> Vec<Point> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < least);
@@ -34,7 +34,7 @@ pub fn mean(points: &[Point]) -> Point {
     points.iter().fold([0.0, 0.0], |[x, y], p| [x + p[0] / count, y + p[1] / count])
 }
 
-/// The largest of 1, 2 and 5 times a power of ten that is not above a length.
+/// The largest of 1, 2 and 5 times a power of ten that is not larger than a length.
 pub fn round_below(length: f64) -> f64 {
     let power = 10f64.powi(length.log10().floor() as i32);
     [5.0, 2.0, 1.0].into_iter().map(|k| k * power).find(|k| *k <= length).unwrap_or(power)
@@ -47,7 +47,7 @@ pub fn with_prefix(length: f64) -> String {
     format!("{} {unit}", (1e6 * length / factor).round() / 1e6)
 }
 
-/// What takes in two ranges of x and y.
+/// The smallest range of x and y that contains both ranges.
 pub fn union(a: [f64; 4], b: [f64; 4]) -> [f64; 4] {
     [a[0].min(b[0]), a[1].min(b[1]), a[2].max(b[2]), a[3].max(b[3])]
 }

@@ -1,47 +1,47 @@
-//! Where names stand: beside what they name, clear of lines and of one another as far as there is room.
+//! Positions of names: near the named points, clear of lines and of other names if there is room.
 //!
 //! In: shapes, names with the points that they name. Out: labels inside the drawing.
 
 use super::svg::size;
 use super::{Form, Ink, Label, Point, Shape, Weight};
 
-/// A name that wants a place.
+/// A name that needs a position.
 #[derive(Clone, Debug)]
 pub struct Wish {
-    /// What it names [px].
+    /// The named point [px].
     pub at: Point,
-    /// Distance to keep from there [px].
+    /// Distance to keep from this point [px].
     pub away: f64,
     pub text: String,
     pub weight: Weight,
     pub ink: Ink,
 }
 
-/// Width of a letter as a part of its size: the mean of common fonts, rounded up.
+/// Width of a letter relative to its size: the mean of common fonts, rounded up.
 const LETTER: f64 = 0.6;
 /// Distance between two points of a line that a label avoids [px].
 const GRAIN: f64 = 3.0;
-/// Most such points.
+/// Largest number of such points.
 const MOST_GRAINS: usize = 20_000;
-/// Directions in which places are tried, to the upper right first.
+/// Number of directions in which positions are tried, the upper right first.
 const DIRECTIONS: usize = 16;
-/// Distances at which places are tried [px], beside that to keep.
+/// Distances at which positions are tried [px], in addition to the distance to keep.
 const DISTANCES: [f64; 4] = [3.0, 9.0, 18.0, 32.0];
-/// Cost of a point of a line under a label, which the others are relative to [1].
+/// Cost of a point of a line below a label, the unit of all costs [1].
 const LINE: f64 = 1.0;
-/// Cost of another label under it.
+/// Cost of another label below the label.
 const LABEL: f64 = 60.0;
-/// Height left free between two labels [px].
+/// Free height between two labels [px].
 const GAP: f64 = 3.0;
-/// Cost of a place beyond the edge.
+/// Cost of a position beyond the edge.
 const OUTSIDE: f64 = 300.0;
-/// Cost of a pixel of distance.
+/// Cost per pixel of distance.
 const PIXEL: f64 = 0.22;
 
-/// Least and greatest x and y [px].
+/// Smallest and largest x and y [px].
 type Box = [f64; 4];
 
-/// Labels for these wishes, placed one after the other, after those that have their places.
+/// Labels for these wishes, placed one after the other. Existing labels keep their positions.
 pub fn place(wishes: Vec<Wish>, mut labels: Vec<Label>, shapes: &[Shape], [width, height]: [f64; 2]) -> Vec<Label> {
     let mut grains: Vec<Point> = shapes.iter().flat_map(grains).collect();
     let stride = grains.len().div_ceil(MOST_GRAINS).max(1);
@@ -77,14 +77,14 @@ fn around([x, y]: Point, [w, h]: [f64; 2]) -> Box {
     [x - w, y - h, x + w, y + h]
 }
 
-/// Places around a point: the edge of the label is as far from it as the distance says.
+/// Positions around a point. The distance is that of the edge of the label.
 fn places(wish: &Wish, [w, h]: [f64; 2]) -> impl Iterator<Item = (Point, f64)> {
     let ([x, y], away) = (wish.at, wish.away);
     DISTANCES.into_iter().flat_map(move |distance| {
         (0..DIRECTIONS).map(move |k| {
             let angle = std::f64::consts::TAU * (k as f64 / DIRECTIONS as f64 - 0.125);
             let [c, s] = [angle.cos(), angle.sin()];
-            // To the middle of a box whose edge is met in this direction.
+            // Distance from the edge of a box to its centre in this direction.
             let inside = (w / c.abs().max(1e-9)).min(h / s.abs().max(1e-9)).min(w);
             let r = away + distance + inside;
             ([x + r * c, y + r * s], distance)
@@ -108,7 +108,7 @@ fn grains(shape: &Shape) -> Vec<Point> {
                 (0..=count).map(move |k| k as f64 / count as f64).map(move |t| [ax + t * dx, ay + t * dy])
             };
             let middle = points.iter().zip(ends).flat_map(between);
-            // A wide line is avoided by its edges too.
+            // The edges of a wide line are avoided too.
             let half = shape.stroke.map_or(0.0, |(_, width)| 0.5 * width);
             let sides: &[Point] = if half > GRAIN {
                 &[[0.0, 0.0], [1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]]
@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn labels_avoid_lines() {
-        // A line through the place that would be taken first.
+        // A line through the preferred position.
         let line = Shape::line(vec![[100.0, 100.0], [200.0, 0.0]], Ink::Line, 2.0);
         let labels = place(vec![wish([100.0, 100.0])], Vec::new(), std::slice::from_ref(&line), [200.0, 200.0]);
         let own = around(labels[0].middle, [18.0, 6.6]);

@@ -1,7 +1,7 @@
 //! The drawing of a mechanism in one position.
 //!
-//! In: the scene and the poses of the linkage's bodies. Out: ground, bodies, springs, drives, joints, markers, with
-//! names, axes, a scale and the direction of gravity where the format has them.
+//! In: the scene and the poses of the linkage's bodies. Out: ground, bodies, springs, drives, joints, markers; for a
+//! page also names, axes, a scale and the direction of gravity.
 
 mod stops;
 
@@ -10,28 +10,28 @@ use super::labels::{Wish, place};
 use super::{Along, Drawing, Form, Format, Ink, Part, Point, Shape, Weight, arrow};
 use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, On, Pose, Scene, SweptStop};
 
-/// Height to width at which a page is drawn at most.
+/// Largest ratio of height to width of a page.
 const HIGHEST: f64 = 0.64;
-/// Least height of a page [px].
+/// Smallest height of a page [px].
 const LOWEST: f64 = 300.0;
-/// Margins of a page and of an icon, as a part of the shorter side.
+/// Margins of a page [px], and of an icon relative to its shorter side.
 const MARGINS: [f64; 2] = [78.0, 0.13];
-/// Most names of parts of one kind that are drawn; of more, none would be read.
+/// Largest number of drawn names of parts of one kind. More names would not be readable.
 const MOST_NAMES: usize = 60;
-/// Least width of a page on which joints have names [px].
+/// Smallest width of a page with names of joints [px].
 const WIDE: f64 = 600.0;
-/// Distance below which two points are one [px].
+/// Distance below which two points coincide [px].
 const LEAST: f64 = 1e-6;
 const DASHED: &[f64] = &[9.0, 3.0, 2.0, 3.0];
 const DOTTED: &[f64] = &[4.0, 3.0];
 
-/// A mechanism in a position, on its way to a drawing.
+/// A mechanism in a position, with a drawing in progress.
 struct Draft<'a> {
     scene: &'a Scene,
     poses: &'a [Pose],
     format: Format,
     size: [f64; 2],
-    /// Pixels for a metre.
+    /// Pixels per metre.
     scale: f64,
     /// The mechanism frame's origin [px].
     origin: Point,
@@ -43,13 +43,13 @@ struct Draft<'a> {
     wishes: Vec<Wish>,
 }
 
-/// The drawing of a mechanism of this name, with dashed outlines of what reaches a stop.
+/// The drawing of a mechanism of this name, with dashed outlines of bodies at their stops.
 pub fn mechanism(name: &str, scene: &Scene, poses: &[Pose], stops: &[SweptStop], format: Format) -> Drawing {
     let extents = stops.iter().map(|met| extents(scene, &met.poses)).fold(extents(scene, poses), union);
     within(name, scene, (poses, stops), format, extents)
 }
 
-/// The drawings of two designs of a mechanism on the same scale, one beside the other, each under its title.
+/// The drawings of two designs of a mechanism on the same scale next to each other, each with its title.
 pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) -> Drawing {
     let [a, b] = all.map(|(_, scene, poses)| extents(scene, poses));
     let [left, right] = all.map(|(title, scene, poses)| {
@@ -60,10 +60,10 @@ pub fn designs(name: &str, all: [(&str, &Scene, &[Pose]); 2], format: Format) ->
         drawing.title = format!("{name}, {title}");
         drawing
     });
-    left.beside(right)
+    left.next_to(right)
 }
 
-/// The drawing in which least and greatest x and y are these [m].
+/// The drawing with these smallest and largest x and y [m].
 fn within(
     name: &str,
     scene: &Scene,
@@ -125,7 +125,7 @@ fn position(poses: &[Pose], on: On) -> [f64; 2] {
     [x + cos * u - sin * v, y + sin * u + cos * v]
 }
 
-/// Least and greatest x and y of all that is drawn [m].
+/// Smallest and largest x and y of all drawn parts [m].
 fn extents(scene: &Scene, poses: &[Pose]) -> [f64; 4] {
     let bodies = scene.bodies.iter().filter(|body| frame(body) != 0);
     let of_bodies = bodies.flat_map(|body| body.points.iter().map(|point| point.on));
@@ -139,7 +139,7 @@ fn extents(scene: &Scene, poses: &[Pose]) -> [f64; 4] {
     if found[0] > found[2] { [0.0, 0.0, 1.0, 1.0] } else { found }
 }
 
-/// Width and height of all that is drawn [m].
+/// Width and height of all drawn parts [m].
 pub fn sides(scene: &Scene, poses: &[Pose]) -> [f64; 2] {
     let [left, low, right, high] = extents(scene, poses);
     [right - left, high - low]
@@ -150,13 +150,13 @@ fn frame(body: &DrawnBody) -> usize {
     body.center.frame
 }
 
-/// Largest distance of a point of a body from its first [m].
+/// Largest distance of a point of a body from its first point [m].
 fn reach(body: &DrawnBody) -> f64 {
     let [x, y] = body.points[0].on.at;
     body.points.iter().map(|point| (point.on.at[0] - x).hypot(point.on.at[1] - y)).fold(0.0, f64::max)
 }
 
-/// What there is to be seen, in words.
+/// Description of the drawing in words.
 fn description(scene: &Scene) -> String {
     let listed = |names: Vec<&str>| names.join(", ");
     let bodies = listed(scene.bodies.iter().filter(|body| frame(body) != 0).map(|body| &*body.name).collect());
@@ -242,14 +242,14 @@ impl Draft<'_> {
     fn bodies(&mut self) {
         let scene = self.scene;
         let mut bodies: Vec<&DrawnBody> = scene.bodies.iter().filter(|body| frame(body) != 0).collect();
-        // A long body would hide a short one that lies along it.
+        // A long body would hide a short body on the same line.
         bodies.sort_by(|a, b| reach(b).total_cmp(&reach(a)));
         let is_named = bodies.len() <= MOST_NAMES;
         for body in bodies {
             let number = frame(body) - 1;
             let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect(), LEAST);
             let middle = mean(&corners);
-            // A line leads to a centre of mass that is beside the points; the body covers the rest.
+            // A line leads to a centre of mass outside of the points. The body covers the rest of the line.
             if body.mass > 0.0 && self.format.is_page() {
                 let center = self.at(body.center);
                 self.shapes.push(Shape::line(vec![middle, center], Ink::Edge(number), 1.2).dashed(DOTTED));
@@ -372,7 +372,7 @@ impl Draft<'_> {
         let last = points[points.len() - 1];
         self.shapes.push(Shape::line(points, Ink::Steel, 2.0 * u).of(part, name));
         if part == Part::Drive {
-            // Anticlockwise, as a positive torque.
+            // Anticlockwise, like a positive torque.
             let tip = [last[0] + 7.0 * u, last[1] - 0.5 * u];
             let head = vec![tip, [last[0] - u, last[1] - 5.0 * u], [last[0] - u, last[1] + 5.0 * u]];
             self.shapes.push(Shape::area(head, Ink::Steel, (Ink::Steel, u)));
@@ -387,7 +387,7 @@ impl Draft<'_> {
             if let Some((axis, slide)) = self.rail(joint) {
                 let number = joint.second.frame.max(joint.first.frame).saturating_sub(1);
                 let block = axis.rectangle([slide - 17.0 * u, slide + 17.0 * u], [-10.5 * u, 10.5 * u]);
-                // The block stands on the axis, even where the second point is beside it.
+                // The block is on the axis, also if the second point is not.
                 self.shapes.push(Shape::area(block, Ink::Body(number), (Ink::Edge(number), 1.3 * u)));
                 let dot = Shape::circle(at, 2.2 * u, Ink::Line, (Ink::Line, 0.5 * u));
                 self.shapes.push(dot.of(Part::Joint, &joint.name));
@@ -411,7 +411,7 @@ impl Draft<'_> {
             let diamond = vec![[x, y - r], [x + r, y], [x, y + r], [x - r, y]];
             let shape = Shape::area(diamond, Ink::Accent, (Ink::Paper, self.unit));
             self.shapes.push(shape.of(Part::Marker, &marker.name));
-            // A marker mostly has the name of what it is on.
+            // Most markers have the name of their part.
             if is_named && !self.wishes.iter().any(|wish| wish.text == marker.name) {
                 self.wish([x, y], r, &marker.name, Weight::Plain, Ink::Accent);
             }

@@ -1,7 +1,7 @@
-//! Drawings: what is drawn of a model, as shapes in pixels.
+//! Drawings of a model as shapes in pixels.
 //!
-//! In: scene and poses of a mechanism, or the numbers of a cylinder. Out: shapes, written as SVG or painted as PNG. It
-//! must not know where a drawing is shown.
+//! In: scene and poses of a mechanism, or the dimensions of a cylinder. Out: shapes, written as SVG or painted as PNG.
+//! The module must not know where a drawing is shown.
 
 mod cylinder;
 mod geometry;
@@ -20,14 +20,14 @@ pub use svg::{Colours, to_svg};
 /// A point of a drawing [px], y downward.
 pub type Point = [f64; 2];
 
-/// What a line or a surface is coloured as. The colours differ between light and dark.
+/// Colour of a line or a surface. The colours differ between light and dark mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
-    /// The ground on which everything is drawn.
+    /// The background.
     Paper,
     /// Lines and letters.
     Line,
-    /// Lines of what does not move, hatching, secondary letters.
+    /// Lines of fixed parts, hatching, secondary letters.
     Muted,
     /// Surface of metal: supports, barrels.
     Metal,
@@ -62,7 +62,7 @@ pub enum Form {
     },
 }
 
-/// Kind of the part of a model that a shape stands for.
+/// Kind of the part of a model that a shape represents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// A body.
@@ -86,9 +86,9 @@ pub struct Shape {
     pub fill: Option<Ink>,
     /// Colour and width of the line [px].
     pub stroke: Option<(Ink, f64)>,
-    /// Lengths of dashes and gaps [px]; empty: an unbroken line.
+    /// Lengths of dashes and gaps [px]. Empty for a solid line.
     pub dashes: &'static [f64],
-    /// What it stands for, with its name.
+    /// The part that it represents, with its name.
     pub part: Option<(Part, String)>,
 }
 
@@ -119,19 +119,19 @@ pub struct Label {
 pub struct Drawing {
     /// Width and height [px].
     pub size: [f64; 2],
-    /// Name, for who cannot see it.
+    /// Name, for screen readers.
     pub title: String,
-    /// What is to be seen, for who cannot see it.
+    /// Description of the picture, for screen readers.
     pub description: String,
-    /// Shapes, those behind first.
+    /// Shapes, from back to front.
     pub shapes: Vec<Shape>,
-    /// Texts, before all shapes.
+    /// Texts, in front of all shapes.
     pub labels: Vec<Label>,
 }
 
 impl Drawing {
-    /// This drawing with another one to its right.
-    fn beside(mut self, mut other: Self) -> Self {
+    /// This drawing with another drawing to its right.
+    fn next_to(mut self, mut other: Self) -> Self {
         let shift = |point: &mut Point| point[0] += self.size[0];
         for shape in &mut other.shapes {
             match &mut shape.form {
@@ -148,10 +148,10 @@ impl Drawing {
     }
 }
 
-/// How large a drawing is, and how much it tells.
+/// Size and level of detail of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Format {
-    /// For a page: as wide as this [px], with names, axes and a scale.
+    /// For a page of this width [px], with names, axes and a scale.
     Page {
         /// Width [px].
         width: f64,
@@ -206,7 +206,8 @@ impl Shape {
     }
 }
 
-/// A place and a direction: what is drawn along a line, such as a cylinder, is given along it and across.
+/// A position and a direction. The points of a long part, such as a cylinder, are given along and across this
+/// direction.
 #[derive(Clone, Copy, Debug)]
 struct Along {
     origin: Point,
@@ -223,7 +224,7 @@ impl Along {
         (Self { origin: a, unit }, length)
     }
 
-    /// The point `along` the direction and `aside` of it, to the right of who looks along it [px].
+    /// The point `along` the direction and `aside` of it, to the right when looking along the direction [px].
     fn at(&self, along: f64, aside: f64) -> Point {
         let [x, y] = self.unit;
         [self.origin[0] + along * x - aside * y, self.origin[1] + along * y + aside * x]

@@ -1,12 +1,12 @@
-//! Drawings as pictures of pixels.
+//! Drawings as pixels.
 //!
-//! In: a drawing, its shapes alone. Out: PNG with a transparent ground, the same bytes for the same drawing.
+//! In: the shapes of a drawing. Out: PNG with a transparent background. The bytes depend only on the drawing.
 
 use super::{Drawing, Form, Ink, Shape, png};
 use anyhow::{Context, Result};
 use tiny_skia::{Color, FillRule, LineCap, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 
-/// The picture.
+/// Paint the drawing.
 ///
 /// # Errors
 /// The drawing has no size, or the picture cannot be encoded.
@@ -14,7 +14,7 @@ pub fn to_png(drawing: &Drawing) -> Result<Vec<u8>> {
     let [width, height] = drawing.size.map(|side| side.ceil() as u32);
     let mut picture = Pixmap::new(width, height).context("the picture has the size 0")?;
     for shape in &drawing.shapes {
-        // What has no extent leaves no trace.
+        // A shape without extent is not painted.
         let Some(path) = path(shape) else { continue };
         if let Some(ink) = shape.fill {
             picture.fill_path(&path, &colour(ink), FillRule::Winding, Transform::identity(), None);

@@ -1,7 +1,7 @@
 //! Pixels as PNG (ISO/IEC 15948).
 //!
-//! In: pixels of three or four bytes. Out: the file, the same bytes for the same pixels. It must not know what the
-//! pixels show.
+//! In: pixels of three or four bytes. Out: the file. Its bytes depend only on the pixels. The module must not know what
+//! the pixels show.
 
 use flate2::write::ZlibEncoder;
 use flate2::{Compression, Crc};
@@ -10,11 +10,11 @@ use std::io::{self, Write};
 /// First bytes of every file.
 const SIGNATURE: &[u8] = b"\x89PNG\r\n\x1a\n";
 
-/// A picture of `N` bytes a pixel, line by line: red, green, blue, and with four bytes the opacity, by which the
+/// A picture with `N` bytes per pixel, line by line: red, green, blue. A fourth byte is the opacity, by which the
 /// colours are not multiplied.
 ///
 /// # Errors
-/// There are not as many pixels as the size says, or none.
+/// The number of pixels does not agree with the size, or is 0.
 pub fn encode<const N: usize>(pixels: &[[u8; N]], [width, height]: [u32; 2]) -> io::Result<Vec<u8>> {
     const { assert!(N == 3 || N == 4) };
     if pixels.is_empty() || pixels.len() as u64 != u64::from(width) * u64::from(height) {
@@ -22,11 +22,11 @@ pub fn encode<const N: usize>(pixels: &[[u8; N]], [width, height]: [u32; 2]) -> 
     }
     let mut lines = ZlibEncoder::new(Vec::new(), Compression::default());
     for line in pixels.chunks_exact(width as usize) {
-        // Each line begins with its filter: none, with which even areas become shortest.
+        // Each line starts with its filter. Without a filter even areas need the fewest bytes.
         lines.write_all(&[0])?;
         lines.write_all(line.as_flattened())?;
     }
-    // Eight bits a channel; colour with or without opacity; the methods there are; not interlaced.
+    // Eight bits per channel; colour with or without opacity; the only methods; not interlaced.
     let kind = [8, if N == 4 { 6 } else { 2 }, 0, 0, 0];
     let mut file = SIGNATURE.to_vec();
     chunk(&mut file, b"IHDR", &[&width.to_be_bytes()[..], &height.to_be_bytes(), &kind].concat());
@@ -61,7 +61,7 @@ mod tests {
         let mut lines = Vec::new();
         ZlibDecoder::new(&file[41..41 + length]).read_to_end(&mut lines).unwrap();
         assert_eq!(lines, [0, 1, 2, 3, 255, 0, 4, 5, 6, 128]);
-        // The last chunk is the same in every file.
+        // The last chunk is equal in all files.
         assert_eq!(file[45 + length..], *b"\0\0\0\0IEND\xae\x42\x60\x82");
         assert!(encode(&[[0; 3]; 5], [2, 3]).is_err());
     }

@@ -22,22 +22,22 @@ const BODIES: [[u8; 3]; 8] = [
 ];
 const WHITE: [u8; 3] = [0xff; 3];
 const INK: [u8; 3] = [0x16, 0x20, 0x2b];
-/// Part of a body's colour in its surface, the rest being paper.
+/// Part of a body's colour in its surface. The rest is the colour of the paper.
 const SURFACE: f64 = 0.30;
-/// Part of a body's colour in its edge, the rest being that of lines.
+/// Part of a body's colour in its edge. The rest is the colour of lines.
 const EDGE: f64 = 0.78;
 
-/// Where the colours of a drawing come from.
+/// Source of the colours of a drawing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Colours {
-    /// From the variables of the page around it, which knows light and dark.
+    /// CSS variables of the surrounding page, which has a light and a dark mode.
     OfThePage,
-    /// Those of light, in the drawing itself.
+    /// The light colours, written into the drawing.
     Own,
 }
 
 impl Ink {
-    /// The colour in light.
+    /// The colour in light mode.
     pub fn light(self) -> [u8; 3] {
         let of = |body: usize| BODIES[body % BODIES.len()];
         match self {
@@ -80,8 +80,8 @@ fn hex([r, g, b]: [u8; 3]) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// The `svg` element of a drawing, with its name and description. `id` begins the identifiers in it, so that two
-/// drawings may stand in one page.
+/// The `svg` element of a drawing, with its name and description. `id` is the prefix of its identifiers, so that one
+/// page can contain several drawings.
 ///
 /// # Errors
 /// XML cannot be written.
@@ -105,7 +105,7 @@ pub fn to_svg(drawing: &Drawing, colours: Colours, id: &str) -> Result<String> {
     Ok(String::from_utf8(xml.into_inner())?)
 }
 
-/// A length with two digits after the point, without zeros at its end.
+/// A length with two digits after the point, without trailing zeros.
 fn pixels(x: f64) -> String {
     let text = format!("{x:.2}");
     let short = text.trim_end_matches('0').trim_end_matches('.');
@@ -114,13 +114,13 @@ fn pixels(x: f64) -> String {
 
 fn text(xml: &mut Xml, name: &str, attributes: Attributes, content: &str) -> io::Result<()> {
     element(xml, name, &attributes, |xml| {
-        // XML has no way to write these; check_texts refuses them in every text that the FMU shows.
+        // XML cannot represent control characters. check_texts rejects them in every text of the FMU.
         let clean: String = content.chars().filter(|c| !c.is_control()).collect();
         xml.write_event(quick_xml::events::Event::Text(BytesText::new(&clean)))
     })
 }
 
-/// The colours as attributes; in a page as a style, since only a style knows variables.
+/// The colours as attributes. In a page they are a style, because only a style can use variables.
 fn colouring(pairs: &[(&str, Option<Ink>)], colours: Colours) -> Attributes<'static> {
     let value = |ink: Option<Ink>| match (ink, colours) {
         (None, _) => "none".to_owned(),
@@ -180,7 +180,7 @@ fn write_label(xml: &mut Xml, label: &Label, colours: Colours) -> io::Result<()>
     let mut attributes = colouring(&[("fill", Some(label.ink)), ("stroke", Some(Ink::Paper))], colours);
     attributes.extend([
         ("x", pixels(x)),
-        // The middle of a letter is above its foot.
+        // The middle of a letter is above its baseline.
         ("y", pixels(y + 0.35 * size(label.weight))),
         ("text-anchor", "middle".to_owned()),
         ("font-family", "system-ui, sans-serif".to_owned()),

@@ -1,19 +1,19 @@
-//! Which shared library serves which models.
+//! The shared libraries, and the models that each of them serves.
 
 use linkage_fmu::component::Component;
 
-/// A shared library, by the models that it serves.
+/// A shared library for a group of models.
 #[derive(Debug, PartialEq)]
 pub struct SharedLibrary {
     /// Cargo's name for its package.
     pub package: &'static str,
-    /// Name of which that of the file follows.
+    /// Name from which the name of the file follows.
     pub name: &'static str,
     /// Name of its file in an installation, without extension.
     pub installed: &'static str,
 }
 
-/// The library of mechanisms with neither, `src/exports`, which has no code of others.
+/// The library of mechanisms without both, `src/exports`. It contains no code of other models.
 pub const MECHANISMS: SharedLibrary =
     SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
 /// The library of all models with hydraulics or with an integral part of a controller, `src/exports/hydraulics`.

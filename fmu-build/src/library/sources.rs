@@ -1,19 +1,19 @@
-//! Paths of packages' sources in what is built: they tell the name of who built it.
+//! Paths of package sources in built files. These paths contain the user name of the builder.
 //!
-//! In: a library, the folder of the sources. Out: the library without it; a variable with which Cargo leaves the folder
-//! out, for builds that share nothing with the program that runs.
+//! In: a library, the folder of the sources. Out: the library without these paths, and a variable with which Cargo
+//! omits the folder, for builds that share nothing with the running program.
 
 use anyhow::{Context, Result};
 use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// What stands in a library for the folder with the sources of packages.
+/// Replacement of the folder with the sources of packages in a library.
 const PLACE: &[u8] = b"crates";
-/// How a library of macOS for one 64-bit processor begins.
+/// First bytes of a library of macOS for one 64-bit processor.
 const MACH_O: [u8; 4] = [0xcf, 0xfa, 0xed, 0xfe];
 
-/// Folder in which Cargo keeps the sources of packages, by Cargo's own rule.
+/// Folder in which Cargo stores the sources of packages, according to Cargo's own rule.
 ///
 /// # Errors
 /// There is no home folder.
@@ -23,7 +23,7 @@ pub fn folder() -> Result<PathBuf> {
     Ok(home.join("registry").join("src"))
 }
 
-/// Variable for Cargo with which Rust leaves the folder out of all that it compiles.
+/// Variable for Cargo with which Rust omits the folder from all compiled files.
 ///
 /// # Errors
 /// There is no home folder.
@@ -34,10 +34,10 @@ pub fn variable() -> Result<(String, OsString)> {
     Ok(("CARGO_BUILD_RUSTFLAGS".to_owned(), flag))
 }
 
-/// Write `crates/////` in place of the path of the folder with the sources, wherever messages of panics name this
-/// folder: the path tells who built the library. Rust can leave the path out with `--remap-path-prefix`, but then
-/// compiles the engine once for the program and once for the library. The length stays, as the text is found by its
-/// length. A library of macOS is signed, and stays as it is.
+/// Replace the path of the folder with the sources by `crates/////` in the messages of panics, because the path
+/// contains the user name of the builder. Rust can omit the path with `--remap-path-prefix`, but would then compile the
+/// engine separately for the program and the library. The length of the text remains, because the program finds the
+/// text by its length. A library of macOS is signed and stays unchanged.
 pub fn leave_out(content: &mut [u8], folder: &Path) {
     let path = folder.as_os_str().as_encoded_bytes();
     if path.len() < PLACE.len() || content.starts_with(&MACH_O) {
@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_library_does_not_tell_who_built_it() {
+    fn a_library_does_not_reveal_who_built_it() {
         let mut content =
             b"\x7fELF at /home/a/.cargo/registry/src/index/b.rs and /home/a/.cargo/registry/src/c".to_vec();
         leave_out(&mut content, Path::new("/home/a/.cargo/registry/src"));

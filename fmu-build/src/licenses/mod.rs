@@ -1,6 +1,6 @@
 //! The licences that every FMU has under `documentation/licenses` (FMI 2.0.5, 2.3).
 //!
-//! Out: files of an FMU. A user's own files of these names take their places.
+//! Out: files of an FMU. A user's own files with these names replace them.
 
 #[cfg(test)]
 mod notices;
@@ -9,7 +9,7 @@ use crate::archive::Entry;
 
 /// Folder in an FMU.
 const FOLDER: &str = "documentation/licenses";
-/// Each file with its content; the first is the one where a reader begins.
+/// Each file with its content. The first file is the one to read first.
 const FILES: [(&str, &str); 4] = [
     ("license.txt", include_str!("license.txt")),
     ("LICENSE-MIT", include_str!("../../../LICENSE-MIT")),

@@ -1,8 +1,8 @@
-//! Writes and checks the notices of the crates: who wrote what is linked, and under which licence.
+//! Writes and checks the notices of the linked crates: authors and licences.
 //!
 //! In: the packages that Cargo links into the library of an FMU and into the program of the wheel, with the licence
-//! files in their sources. Out: `library.txt` and `fmu-build/wheel/THIRD-PARTY.txt`, one section for each text of a
-//! licence. `LINKAGE_FMU_WRITE=1 cargo test --package fmu-build --lib notices`, after `cargo fetch`, writes them.
+//! files in their sources. Out: `library.txt` and `fmu-build/wheel/THIRD-PARTY.txt`, one section per licence text. The
+//! command `LINKAGE_FMU_WRITE=1 cargo test --package fmu-build --lib notices` writes them, after `cargo fetch`.
 
 use crate::workspace::Workspace;
 use serde_json::Value;
@@ -11,7 +11,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Machines that libraries and wheels are built for.
+/// Machines for which libraries and wheels are built.
 const TARGETS: [&str; 5] = [
     "x86_64-unknown-linux-gnu",
     "aarch64-unknown-linux-gnu",
@@ -19,16 +19,16 @@ const TARGETS: [&str; 5] = [
     "x86_64-apple-darwin",
     "aarch64-apple-darwin",
 ];
-/// Package of Cargo with what it becomes, the file of its notices, and how many of [`EMBEDDED`] are in it.
+/// Package of Cargo with its product, the file of its notices, and the number of items of [`EMBEDDED`] in it.
 const LINKED: [(&str, &str, &str, usize); 2] = [
     ("linkage-fmu-exports", "the library and the animation of an FMU", "fmu-build/src/licenses/library.txt", 1),
     ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 3),
 ];
-/// Of a package that gives a choice, the first of these applies.
+/// If a package offers several licences, the first of these applies.
 const CHOICE: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "BSD"];
-/// Licences of parts that stand elsewhere in the sources: the font of the plots.
+/// Licences of parts in other folders of the sources: the font of the plots.
 const PARTS: [(&str, &str); 1] = [("epaint_default_fonts", "fonts/UFL.txt")];
-/// Files of others that pages and programs contain, each with its licence.
+/// Files of other authors in pages and programs, each with its licence.
 const EMBEDDED: [(&str, &str); 3] = [
     ("uPlot, in the pages with plots (MIT)", "fmu-build/src/view/page/uplot/LICENSE"),
     ("samples by Sobol's sequence (BSD-3-Clause)", "fmu-build/studies/src/sweep/joe_kuo/LICENSE"),
@@ -62,7 +62,7 @@ fn linked(package: &str, target: &str) -> BTreeSet<String> {
     lines.map(|line| line.split(' ').take(2).collect::<Vec<_>>().join(" ").replace(" v", " ")).collect()
 }
 
-/// The packages with their sources, by name and version; those for one machine alone, or all.
+/// The packages with their sources, by name and version: those for one machine, or all.
 fn packages(target: Option<&str>) -> BTreeMap<String, Package> {
     let only = target.map_or_else(Vec::new, |target| vec!["--filter-platform", target]);
     let text = cargo(&[&["metadata", "--format-version", "1"], &only[..]].concat());
@@ -86,7 +86,7 @@ impl Package {
         if of_all { &self.license } else { chosen.unwrap_or(&options[0]) }
     }
 
-    /// Texts of the licence that applies, and of notices.
+    /// Texts of the applicable licence, and of notices.
     fn texts(&self) -> Vec<String> {
         let names = self.folder.read_dir().unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
         let names: BTreeSet<String> = names.collect();
@@ -102,7 +102,7 @@ impl Package {
         let parts = PARTS.iter().filter(|(name, _)| self.title.starts_with(name)).map(|(_, file)| (*file).to_owned());
         let mut texts: Vec<String> = files.into_iter().cloned().chain(parts).map(|name| self.read(&name)).collect();
         if !texts.iter().any(|text| text.len() > 500) || self.license.contains(" AND ") {
-            // The package comes without a text.
+            // The package contains no licence text.
             assert!(self.license.contains("MIT"), "{}: no text of {}; add it to PARTS", self.title, self.license);
             let rest = MIT.split_once("\n\n").and_then(|(_, rest)| rest.split_once("\n\n")).unwrap().1;
             texts.insert(0, format!("Copyright (c) {}\n\n{rest}", self.authors));
@@ -116,25 +116,25 @@ impl Package {
     }
 }
 
-/// Lines that name who has the copyright, and the rest of a licence.
+/// The copyright lines of a licence, and the rest of the text.
 fn divided(text: &str) -> (Vec<String>, String) {
     let names = |line: &str| {
         let line = line.trim().trim_start_matches('*').trim();
-        let tells = line.contains("(c)") || line.contains("(C)") || line.contains(|c: char| c.is_ascii_digit());
-        line.starts_with("Copyright") && tells && !line.contains("[yyyy]")
+        let is_notice = line.contains("(c)") || line.contains("(C)") || line.contains(|c: char| c.is_ascii_digit());
+        line.starts_with("Copyright") && is_notice && !line.contains("[yyyy]")
     };
     let (owners, rest): (Vec<&str>, Vec<&str>) = text.lines().partition(|line| names(line));
     let rest: Vec<&str> = rest.into_iter().map(str::trim_end).collect();
     (owners.into_iter().map(|line| line.trim().to_owned()).collect(), rest.join("\n").trim_matches('\n').to_owned())
 }
 
-/// Letters of a text, by which texts that are only laid out otherwise are the same.
+/// The letters of a text. Texts with different layout have the same letters.
 fn letters(text: &str) -> String {
     text.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
 fn notices(what: &str, packages: &[&Package], embedded: &[(&str, &str)]) -> String {
-    // By its letters: a text, and the packages under it with who has the copyright.
+    // Sections by the letters of their text: the text, and the packages with their copyright holders.
     let mut sections: BTreeMap<String, (String, Vec<String>)> = BTreeMap::new();
     let of_packages = packages.iter().flat_map(|package| {
         let title = format!("{} ({})", package.title, package.choice());
@@ -153,7 +153,7 @@ fn notices(what: &str, packages: &[&Package], embedded: &[(&str, &str)]) -> Stri
     text
 }
 
-/// Whether a licence stands among the notices, with those who have the copyright.
+/// Whether a licence is in the notices, with its copyright holders.
 fn holds(notices: &str, licence: &str) -> bool {
     let (owners, rest) = divided(licence);
     letters(notices).contains(&letters(&rest)) && owners.iter().all(|owner| notices.contains(owner))
@@ -170,7 +170,7 @@ fn file(path: &str) -> PathBuf {
     Workspace::locate().root().join(path)
 }
 
-/// A package that is linked on this machine has its notice, with the licence that it has today.
+/// Each package that is linked on this machine has a notice with its present licence.
 #[test]
 fn each_linked_package_has_its_notice() {
     for (package, what, path, embedded) in LINKED {
@@ -190,7 +190,7 @@ fn each_linked_package_has_its_notice() {
             assert!(text.contains(&format!("\n{} (", package.title)), "{}: {remedy}", package.title);
             assert!(package.texts().iter().all(|part| holds(&text, part)), "{}: {remedy}", package.title);
         }
-        // Packages for other machines too have the version of the lock file.
+        // Packages for other machines have the version of the lock file too.
         let lock = fs::read_to_string(file("Cargo.lock")).unwrap();
         for line in text.lines().filter(|line| !line.starts_with(' ') && line.ends_with(')')) {
             if let [name, version, _, ..] = line.split(' ').collect::<Vec<_>>()[..]
@@ -203,7 +203,7 @@ fn each_linked_package_has_its_notice() {
     }
 }
 
-/// What is not ours among the files that programs and pages contain has its licence next to it, and in the notices.
+/// Each embedded file of other authors has its licence next to it and in the notices.
 #[test]
 fn each_embedded_file_of_others_has_its_notice() {
     let text = fs::read_to_string(file(LINKED[1].2)).unwrap();

@@ -1,8 +1,8 @@
 //! Libraries for macOS, linked by the linker that comes with Rust.
 //!
-//! zig's linker passes over the list of what a library exports, so that Rust's standard library would be exported too.
-//! Rust's linker keeps to the list and signs what is for ARM, which runs nothing else. It lacks the names of the
-//! system's functions: zig's package has them. In: that package. Out: variables and arguments for Cargo.
+//! zig's linker ignores the list of exports, so that the library would also export Rust's standard library. Rust's
+//! linker uses the list, and signs libraries for ARM, which loads signed libraries only. It lacks the names of the
+//! system functions, which zig's package contains. In: this package. Out: variables and arguments for Cargo.
 use super::{answer, asked, zig};
 use crate::files;
 use crate::library::Target;
@@ -13,41 +13,41 @@ use std::ffi::OsString;
 use std::fs;
 use std::path::Path;
 
-/// Rust does not strip: for that it needs a program that not every Rust has, and on ARM the signature would have to
-/// follow. The linker does.
+/// Rust does not strip the library: this needs a program that not every Rust has, and on ARM the library would have to
+/// be signed again. The linker strips it.
 const STRIPPED_BY_LINKER: [&str; 4] = [
     "--config",
     "profile.release.package.linkage-fmu-exports.strip=\"none\"",
     "--config",
     "profile.release.package.linkage-fmu-exports-hydraulics.strip=\"none\"",
 ];
-/// Flags of Rust on macOS: no symbols but those that are exported, and no path of this machine as the library's name.
+/// Flags of Rust on macOS: only exported symbols, and a library name without a path of this machine.
 const ON_MACOS: &str = " -Clink-arg=-Wl,-S,-x,-install_name,@rpath/FMU.dylib";
-/// The same flags elsewhere, for Rust's own linker.
+/// The same flags on other systems, for Rust's own linker.
 const ELSEWHERE: &str = " -Clinker=rust-lld -Clinker-flavor=ld64.lld -Clink-arg=-S -Clink-arg=-x \
                          -Clink-arg=-install_name -Clink-arg=@rpath/FMU.dylib";
 
-/// Add to the build of a library for macOS, on macOS or elsewhere, what leaves out symbols and paths of this machine.
+/// Add the flags that omit symbols and paths of this machine to the build of a library for macOS.
 pub fn complete(target: &mut Target, is_on_macos: bool) {
     target.arguments.extend(STRIPPED_BY_LINKER);
-    // The last variable has the flags of Rust.
+    // The last variable contains the flags of Rust.
     if let Some((_, flags)) = target.variables.last_mut() {
         flags.push(if is_on_macos { ON_MACOS } else { ELSEWHERE });
     }
 }
 
-/// Libraries of the system by the names under which Rust asks for them; all are one file. Nothing of iconv is called.
+/// Libraries of the system, by the names that Rust uses. All of them are one file. No function of iconv is called.
 const NAMES: [&str; 4] = ["libSystem.tbd", "libc.tbd", "libm.tbd", "libiconv.tbd"];
-/// The second version of a processor, which no linker of Rust knows, and the one that libraries are built for.
+/// The second version of a processor, which Rust's linkers do not know, and the version for which libraries are built.
 const PROCESSORS: [&str; 2] = ["arm64e.x1-", "arm64-"];
-/// Prints where the names of the system's functions are.
+/// Prints the folder with the names of the system functions.
 const PLACE: &str =
     "import pathlib, ziglang; print(pathlib.Path(ziglang.__file__).with_name('lib') / 'libc/darwin/libSystem.tbd')";
 
-/// Variable for Cargo with the place of the system's libraries; none on macOS, which has them.
+/// Variable for Cargo with the folder of the system libraries. None on macOS, which has these libraries.
 ///
 /// # Errors
-/// Rust came without its linker; zig cannot be installed.
+/// Rust has no linker of its own, or zig cannot be installed.
 pub fn libraries(workspace: &Workspace) -> Result<Option<(String, OsString)>> {
     if cfg!(target_os = "macos") {
         return Ok(None);
@@ -61,7 +61,7 @@ pub fn libraries(workspace: &Workspace) -> Result<Option<(String, OsString)>> {
     Ok(Some(("SDKROOT".to_owned(), root.into())))
 }
 
-/// The names of the system's functions where a linker looks for them.
+/// Write the names of the system functions into the folder in which the linker looks.
 fn write_names(source: &Path, root: &Path) -> Result<()> {
     let text = fs::read_to_string(source).with_context(|| format!("{}: cannot be read", source.display()))?;
     let text = text.replace(PROCESSORS[0], PROCESSORS[1]);
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
     use crate::library::{self, served, sources};
 
-    /// The command line on a Mac, for its own processor as for the other one.
+    /// The command line on a Mac, for its own processor and for the other processor.
     #[test]
     fn a_library_for_macos_has_neither_names_nor_paths() {
         for is_on_macos in [true, false] {

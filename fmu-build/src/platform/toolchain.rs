@@ -1,11 +1,11 @@
-//! What builds the library for each platform: names of the platform, linker, packages.
+//! The build tools of the library for each platform: names of the platform, linker, packages.
 //!
 //! In: a platform of the command line. Out: a row of constants.
 
 use crate::binary::{ARM_LINUX, MAC};
 use fmu_cli::Platform;
 
-/// How Rust and a linker make libraries for a platform.
+/// Settings of Rust and the linker for a platform.
 pub struct Toolchain {
     /// Name in FMI 3.0.
     pub tuple: &'static str,
@@ -15,10 +15,10 @@ pub struct Toolchain {
     pub triple: &'static str,
     /// Extension of its shared libraries.
     pub extension: &'static str,
-    /// The linker, and the package of Debian that has it; none for macOS.
+    /// The linker, and its Debian package. None for macOS.
     pub linker: Option<(&'static str, &'static str)>,
-    /// How Debian gives Rust's standard library to its own Rust, where it does. Debian 12 has a recent Rust under the
-    /// names of a browser's (rustc-web): its package rust-src is of Rust 1.63.
+    /// The Debian package with the standard library for Debian's own Rust, if there is one. Debian 12 has a recent Rust
+    /// under the package name rustc-web. Its package rust-src belongs to Rust 1.63.
     pub debian: &'static str,
 }
 
@@ -74,8 +74,8 @@ impl Toolchain {
         self.extension == "so"
     }
 
-    /// Whether the library that Cargo builds for this machine, of this tuple, serves as it is. On macOS it would have
-    /// paths of this machine, and a signature under which they cannot be left out afterwards.
+    /// Whether the library from Cargo's normal build is suitable for this machine with this name. On macOS the library
+    /// would contain paths of this machine, and a signature that prevents removing them.
     pub fn is_built_plainly(&self, tuple: &str) -> bool {
         self.tuple == tuple && self.linker.is_some()
     }

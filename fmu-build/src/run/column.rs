@@ -13,7 +13,7 @@ pub struct Column {
     pub name: String,
     /// Its unit.
     pub unit: Option<Unit>,
-    /// Whether it is true or false, as 1 or 0.
+    /// Whether it is a Boolean, recorded as 1 or 0.
     pub is_boolean: bool,
 }
 
@@ -33,10 +33,10 @@ impl Column {
     }
 }
 
-/// The variables to record: those named, or every output with a number, Reals before Booleans.
+/// The variables to record: the named ones, or every numeric output, Reals before Booleans.
 ///
 /// # Errors
-/// No variable has the name, or it stands twice, or it is an Enumeration.
+/// A name is unknown or duplicate, or its variable is an Enumeration.
 pub fn columns(interface: &Interface, names: &[String]) -> Result<Vec<Column>> {
     if !names.is_empty() {
         return names

@@ -1,6 +1,7 @@
-//! A table as CSV, as FMPy writes it.
+//! A table as CSV in the format of FMPy.
 //!
-//! In: rows. Out: lines with the column `time` first; every number in the fewest digits that give it back.
+//! In: rows. Out: lines with the column `time` first. Every number has the fewest digits from which it can be read
+//! back.
 
 use super::column::Column;
 use super::file::Format;
@@ -11,7 +12,7 @@ use std::io::{self, BufWriter, Write};
 /// The file.
 pub struct Csv {
     file: BufWriter<File>,
-    /// Of each column whether it is true or false.
+    /// For each column, whether it is a Boolean.
     booleans: Vec<bool>,
 }
 
@@ -55,7 +56,7 @@ impl Csv {
     }
 }
 
-/// The fewest digits that give a number back; words that readers of CSV know where it is none.
+/// The fewest digits from which a number can be read back. NaN and infinity are words that CSV readers know.
 #[inline]
 pub fn decimal(digits: &mut zmij::Buffer, value: f64) -> &[u8] {
     if value.is_finite() {

@@ -1,6 +1,6 @@
-//! The file of the recorded rows, written by a thread of its own, block by block, so that memory stays constant.
+//! The file of the recorded rows. A separate thread writes it block by block, so that the memory use is constant.
 //!
-//! In: a path, a format, and blocks of rows. Out: the file, which takes its place at the end, whole. It
+//! In: a path, a format, and blocks of rows. Out: the complete file, which replaces an old file at the end. The module
 //! must not know what the values mean.
 
 use super::column::Column;
@@ -11,12 +11,12 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::thread::JoinHandle;
 
-/// Blocks that may wait for the writing thread.
+/// Number of blocks that may wait for the writing thread.
 const WAITING: usize = 8;
 
-/// A format of tables. A row is the time and the values of the columns.
+/// A format of tables. A row consists of the time and the values of the columns.
 pub trait Format: Send + Sized + 'static {
-    /// Begin the file.
+    /// Start the file.
     fn begin(file: File, columns: &[Column]) -> Result<Self>;
     /// Add rows.
     fn write(&mut self, rows: &[f64]) -> Result<()>;
@@ -27,17 +27,17 @@ pub trait Format: Send + Sized + 'static {
 /// The thread that writes.
 pub struct Writer {
     blocks: Option<SyncSender<Vec<f64>>>,
-    /// Blocks that are written, to be filled again.
+    /// Written blocks, to be filled again.
     empty: Receiver<Vec<f64>>,
     thread: Option<JoinHandle<Result<()>>>,
     path: PathBuf,
 }
 
 impl Writer {
-    /// Begin the file.
+    /// Start the file.
     ///
     /// # Errors
-    /// The file cannot be made.
+    /// The file cannot be created.
     pub fn begin<F: Format>(path: &Path, columns: &[Column]) -> Result<Self> {
         Self::start::<F>(path, columns).with_context(|| unwritten(path))
     }
@@ -52,17 +52,17 @@ impl Writer {
             for block in waiting {
                 has_rows |= !block.is_empty();
                 format.write(&block)?;
-                // The run may be over.
+                // The run may have ended.
                 let _ = done.send(block);
             }
             format.end()?;
-            // Of a run that has not started nothing is left, nor is a file of before replaced.
+            // If the run has not started, no file remains, and an old file is not replaced.
             if has_rows { Ok(replacement.finish()?) } else { Ok(()) }
         });
         Ok(Self { blocks: Some(blocks), empty, thread: Some(thread), path: path.to_path_buf() })
     }
 
-    /// Pass a block of rows on; an empty one takes its place. Nothing is done after an error.
+    /// Pass a block of rows to the thread. `block` becomes an empty block. After an error nothing is done.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -71,13 +71,13 @@ impl Writer {
         next.clear();
         let full = std::mem::replace(block, next);
         match &self.blocks {
-            // The thread ends before its time on an error only.
+            // The thread ends early only because of an error.
             Some(blocks) if blocks.send(full).is_err() => self.end(),
             _ => Ok(()),
         }
     }
 
-    /// Wait until all is written.
+    /// Wait until all rows are written.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -85,7 +85,7 @@ impl Writer {
         self.blocks = None;
         let Some(thread) = self.thread.take() else { return Ok(()) };
         let written = thread.join().unwrap_or_else(|_| Err(anyhow!("the writing thread panicked")));
-        // What stands between names no cause: Parquet's error repeats that of the disk.
+        // The intermediate causes contain no information: Parquet's error repeats that of the disk.
         written.map_err(|error| anyhow!("{}", error.root_cause()).context(unwritten(&self.path)))
     }
 }

@@ -1,7 +1,7 @@
-//! Which recorded variables had no value, in which rows and why.
+//! Recorded variables without a value: rows and reasons.
 //!
-//! In: rows in the order of time, and the reason of a value that does not exist. Out: a line for each reason, which
-//! names each variable once. It must not know what the values mean.
+//! In: rows in the order of time, and the reason for each missing value. Out: a line for each reason, which names each
+//! variable once. The module must not know what the values mean.
 
 /// Rows in which one variable had no value.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,11 +12,11 @@ struct Gap {
     first: u64,
     /// Number of such rows.
     count: u64,
-    /// Why there is no value in the first such row.
+    /// Reason for the missing value in the first such row.
     reason: String,
 }
 
-/// The gaps of all variables so far.
+/// The gaps of all variables until now.
 pub struct Missing {
     gaps: Vec<Option<Gap>>,
     /// Number of rows.
@@ -26,13 +26,13 @@ pub struct Missing {
 }
 
 impl Missing {
-    /// No row yet of so many variables.
+    /// No row yet, for this number of variables.
     pub fn new(variables: usize) -> Self {
         Self { gaps: vec![None; variables], rows: 0, time: f64::NAN }
     }
 
-    /// A row, its time first; a row read again counts once. `why` tells why the variable of an index has no value now,
-    /// and is asked in the first such row only.
+    /// Add a row, whose first number is the time. A row that is read again counts once. `why` returns the reason why
+    /// the variable of an index has no value. It is called for the first such row only.
     #[inline]
     pub fn see(&mut self, row: &[f64], mut why: impl FnMut(usize) -> Option<String>) {
         if row[0] == self.time {
@@ -49,16 +49,16 @@ impl Missing {
         self.rows += 1;
     }
 
-    /// What to tell, in the order of the variables; variables with the same gap stand together.
+    /// The lines in the order of the variables. Variables with the same gap share a line.
     pub fn lines(&self, names: &[&str]) -> Vec<String> {
-        let mut told: Vec<(&Gap, Vec<&str>)> = Vec::new();
+        let mut groups: Vec<(&Gap, Vec<&str>)> = Vec::new();
         for (gap, name) in self.gaps.iter().zip(names).filter_map(|(gap, name)| Some((gap.as_ref()?, name))) {
-            match told.iter_mut().find(|(other, _)| *other == gap) {
+            match groups.iter_mut().find(|(other, _)| *other == gap) {
                 Some((_, names)) => names.push(name),
-                None => told.push((gap, vec![name])),
+                None => groups.push((gap, vec![name])),
             }
         }
-        told.iter().map(|(gap, names)| self.line(gap, &names.join(", "))).collect()
+        groups.iter().map(|(gap, names)| self.line(gap, &names.join(", "))).collect()
     }
 
     fn line(&self, gap: &Gap, names: &str) -> String {

@@ -1,8 +1,9 @@
-//! A run of a model: its steps, its input signals, the table of what it records.
+//! A run of a model: its steps, its input signals, the table of its recorded variables.
 //!
-//! In: a model at its start values, times, signals. Out: a row for each communication point. The run makes the steps
-//! that FMPy makes, so that both have the same bits. It must not know who watches it.
-//! What is done for each row is inline: this crate is not optimised, the studies are.
+//! In: a model at its start values, times, signals. Out: a row for each communication point. The run makes the same
+//! steps as FMPy, so that both are bit-identical. The module must not know its observer.
+//!
+//! The functions for each row are inline, because this crate is not optimised, but the crate of the studies is.
 
 pub mod column;
 pub mod csv;
@@ -24,16 +25,16 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 use table::Table;
 
-/// Time between two looks of who watches, about.
+/// Approximate time between two calls of the observer.
 const LOOK: Duration = Duration::from_millis(10);
-/// Difference below which two times of a run are one, relative to the interval; those of FMPy are one below 1e-9 of the
-/// time, which is more than an interval far from 0 s.
+/// Difference below which two times of a run are equal, relative to the interval. FMPy uses 1e-9 of the time, which far
+/// from 0 s is more than an interval.
 const CLOSE_TO_INTERVAL: f64 = 1e-3;
-/// Least interval, relative to the times of a run: some roundings of a double are still no step.
+/// Smallest interval, relative to the times of a run. Some rounding errors of a double are no step.
 const LEAST_INTERVAL: f64 = 1e-12;
-/// Most rows that a run has unless its interval is given.
+/// Largest number of rows of a run without a given interval.
 const DEFAULT_ROWS: f64 = 1000.0;
-/// Most steps of a default run.
+/// Largest number of steps of a default run.
 const MOST_STEPS: f64 = 1e5;
 
 /// The times of a run [s].
@@ -41,18 +42,18 @@ const MOST_STEPS: f64 = 1e5;
 pub struct Span {
     /// Time at the start.
     pub start: f64,
-    /// Time at the end, >= `start`; at `start` the model is initialised only.
+    /// Time at the end, >= `start`. If it is `start`, the model is only initialised.
     pub stop: f64,
-    /// From one communication point to the next, > 0.
+    /// Time between two communication points, > 0.
     pub interval: f64,
 }
 
 impl Span {
-    /// The times of a run with these options [s]; without a stop time or an interval those of the experiment.
+    /// The times of a run with these options [s]. A missing stop time or interval is that of the experiment.
     ///
     /// # Errors
-    /// A time that is not finite; a stop time before the start; an interval that is not above 0, or so short that the
-    /// times of the run cannot be told apart.
+    /// A time is not finite; the stop time is before the start; the interval is not above 0, or is so small that the
+    /// times of the run are not distinct.
     pub fn new(experiment: Experiment, start: f64, stop: Option<f64>, interval: Option<f64>) -> Result<Self> {
         let stop = stop.unwrap_or(start + experiment.stop_time);
         if !(start.is_finite() && stop.is_finite() && stop >= start) {
@@ -76,13 +77,13 @@ impl Span {
         Ok(Self { start, stop, interval })
     }
 
-    /// Largest difference of two times that are one [s].
+    /// Largest difference of two equal times [s].
     pub fn resolution(&self) -> f64 {
         CLOSE_TO_INTERVAL * self.interval
     }
 }
 
-/// When who watches is to look.
+/// Times at which the observer is called.
 struct Looks {
     /// Number of steps at which the time is read again.
     at: u64,
@@ -95,7 +96,7 @@ impl Looks {
         Self { at: 1, stride: 1, last: Instant::now() }
     }
 
-    /// Whether the last look is long ago. The time is read rarely where steps are short.
+    /// Whether the last call was long ago. With short steps the time is read rarely.
     #[inline]
     fn is_due(&mut self, steps: u64) -> bool {
         if steps < self.at {
@@ -112,7 +113,7 @@ impl Looks {
     }
 }
 
-/// How a run ended.
+/// Result of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ended {
     /// Time reached [s].
@@ -123,16 +124,16 @@ pub struct Ended {
     pub is_interrupted: bool,
 }
 
-/// Who watches a run.
+/// Observer of a run.
 pub trait Watch {
-    /// Look how far the run is, from 0 to 1; whether it is to end here.
+    /// Report the progress of the run, from 0 to 1. Returns whether the run must end here.
     fn look(&mut self, part: f64) -> bool;
 
     /// Report a warning of the model.
     fn warn(&mut self, line: &str);
 }
 
-/// Nobody: the run ends at its stop time, and warnings are printed.
+/// No observer: the run ends at its stop time, and warnings are printed.
 pub struct Nobody;
 
 impl Watch for Nobody {
@@ -145,11 +146,11 @@ impl Watch for Nobody {
     }
 }
 
-/// Initialise the model and step it from start to stop, as FMPy does: to each multiple of the interval, to jumps of the
+/// Initialise the model and make steps from start to stop, like FMPy: to each multiple of the interval, to jumps of the
 /// inputs and to the stop time. `record` is called at each communication point.
 ///
 /// # Errors
-/// The model refuses its start, an input or a step; a step that met `solver.max_steps`; an error of `record`.
+/// The model rejects its start, an input or a step; a step reached `solver.max_steps`; an error of `record`.
 pub fn run(
     model: &mut Component,
     span: &Span,
@@ -167,7 +168,7 @@ pub fn run(
     let mut ended = Ended { time: span.start, steps: 0, is_interrupted: false };
     let is_close = |a: f64, b: f64| is_close(a, b) && (a - b).abs() <= span.resolution();
     let mut looks = Looks::new();
-    // Points of the grid that are behind.
+    // Number of points of the grid that are passed.
     let mut points = 0_u64;
     while ended.time <= span.stop && !is_close(ended.time, span.stop) {
         if looks.is_due(ended.steps) && watch.look((ended.time - span.start) / (span.stop - span.start)) {
@@ -194,7 +195,7 @@ pub fn run(
             Stepped::Failed(why) => bail!("the run ends at {} s: {why}", Decimal(ended.time)),
         }
         if let Some(warning) = model.take_warning() {
-            // A contact that parts tells its time.
+            // A warning about lost contact contains its time.
             let when = if warning.contains(" at t = ") { String::new() } else { format!("at {} s: ", Decimal(next)) };
             watch.warn(&format!("warning: {when}{warning}"));
         }
@@ -207,20 +208,20 @@ pub fn run(
     Ok(ended)
 }
 
-/// The default run as it was made.
+/// The default run with its actual settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DefaultRun {
-    /// From one step to the next [s].
+    /// Time between two steps [s].
     pub interval: f64,
-    /// Steps from one row to the next, a power of two; the end is a row too.
+    /// Number of steps between two rows, a power of two. The end is a row too.
     pub stride: u64,
 }
 
-/// Run a model at its start values over its experiment in steps of its default size. Every output is recorded as CSV at
-/// this path, at every n-th communication point and at the end, in few rows.
+/// Run a model from its start values over its experiment in steps of its default size. Every output is recorded as CSV
+/// at this path, at every n-th communication point and at the end, in few rows.
 ///
 /// # Errors
-/// The start or a step is refused, or the file cannot be written.
+/// The start or a step is rejected, or the file cannot be written.
 pub fn default_run(model: &mut Component, path: &Path, most_rows: u64) -> Result<DefaultRun> {
     let experiment = model.experiment();
     let interval = interval(experiment, experiment.stop_time, MOST_STEPS);
@@ -249,7 +250,7 @@ fn default_interval(experiment: Experiment, length: f64) -> f64 {
     interval(experiment, length, DEFAULT_ROWS)
 }
 
-/// The experiment's step, doubled until a run of this length has at most so many steps [s].
+/// The experiment's step, doubled until a run of this length has at most this number of steps [s].
 fn interval(experiment: Experiment, length: f64, most: f64) -> f64 {
     let mut interval = experiment.step_size;
     while length / interval > most {
@@ -264,7 +265,7 @@ mod tests {
     use super::*;
     use std::fs;
 
-    /// A slider on which nothing acts: x = t.
+    /// A slider without loads: x = t.
     fn slider(stop_time: f64, step_size: f64) -> Component {
         let text = format!(
             r#"{{ "name": "Slider", "bodies": {{ "ground": {{}}, "block": {{ "mass": 1 }} }},

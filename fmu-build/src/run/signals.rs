@@ -1,7 +1,7 @@
-//! Input signals: values over time from a CSV file, as FMPy interpolates them.
+//! Input signals: values over time from a CSV file, interpolated like in FMPy.
 //!
-//! In: the file. Out: at any time the values of the inputs and their slopes for the next step; times at which a step
-//! must end.
+//! In: the file. Out: at any time the values of the inputs and their slopes for the next step, and the times at which a
+//! step must end.
 
 use super::Span;
 use crate::csv_file;
@@ -11,10 +11,10 @@ use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
 use std::path::Path;
 
-/// Relative difference below which two times are one, as Python's math.isclose has it.
+/// Relative difference below which two times are equal, as in Python's math.isclose.
 const CLOSE: f64 = 1e-9;
 
-/// Whether two times are one but for rounding.
+/// Whether two times are equal except for rounding.
 #[inline]
 pub fn is_close(a: f64, b: f64) -> bool {
     a == b || (a - b).abs() <= CLOSE * a.abs().max(b.abs())
@@ -26,7 +26,7 @@ struct Signal {
     values: Vec<f64>,
 }
 
-/// What an input is set to.
+/// A setting of an input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Setting {
     /// Value of a Real.
@@ -41,7 +41,7 @@ impl Setting {
     /// Set the input.
     ///
     /// # Errors
-    /// The model refuses the value.
+    /// The model rejects the value.
     pub fn apply(self, model: &mut Component, reference: Reference) -> Result<(), Refused> {
         match self {
             Self::Real(value) => model.set_real(reference, value),
@@ -54,20 +54,20 @@ impl Setting {
 /// Signals of some inputs.
 pub struct Signals {
     times: Vec<f64>,
-    /// Inputs that are interpolated.
+    /// Interpolated inputs.
     continuous: Vec<Signal>,
-    /// Booleans, 1 for true, held until they change.
+    /// Booleans, with 1 for true. A value holds until the next change.
     discrete: Vec<Signal>,
     /// Times at which a step must end, ascending: jumps, and with slopes every corner.
     events: Vec<f64>,
     /// Whether slopes are set as derivatives of the inputs.
     with_slopes: bool,
-    /// Largest difference of two times that are one [s].
+    /// Largest difference of two equal times [s].
     resolution: f64,
 }
 
 impl Signals {
-    /// No signal: the inputs stay as they are.
+    /// No signal: the inputs do not change.
     pub fn none() -> Self {
         Self {
             times: Vec::new(),
@@ -79,7 +79,7 @@ impl Signals {
         }
     }
 
-    /// The same for a run with these times, whose steps may be shorter than the rounding of times far from 0 s.
+    /// The signals for a run with these times, whose steps may be shorter than the rounding of times far from 0 s.
     pub fn within(self, span: &Span) -> Self {
         Self { resolution: span.resolution(), ..self }
     }
@@ -91,8 +91,7 @@ impl Signals {
     /// Read a file whose first column is the time.
     ///
     /// # Errors
-    /// The file cannot be read; a column that is no input of the model; a value that is no number or not finite; times
-    /// that go back.
+    /// The file cannot be read; a column is no input of the model; a value is no finite number; the times decrease.
     pub fn read(path: &Path, interface: &Interface, with_slopes: bool) -> Result<Self> {
         let shown = path.display();
         let (mut reader, names) = csv_file::open(path)?;
@@ -130,11 +129,11 @@ impl Signals {
         Ok(signals)
     }
 
-    /// Signals with these values at these times [s]; of a Boolean 1 for true.
+    /// Signals with these values at these times [s]. For a Boolean, 1 means true.
     ///
     /// # Errors
-    /// A name that is no input of the model, or that stands twice; a number that is not finite; times that go back, or
-    /// none; values that are not as many as the times.
+    /// A name is no input of the model, or duplicate; a number is not finite; the times decrease, or there are none;
+    /// the number of values differs from the number of times.
     pub fn of_columns(
         interface: &Interface,
         times: Vec<f64>,
@@ -164,7 +163,7 @@ impl Signals {
         Ok(signals)
     }
 
-    /// Add the signal of an input; its kind.
+    /// Add the signal of an input. Returns its type.
     fn add(&mut self, interface: &Interface, name: &str, values: Vec<f64>) -> Result<Kind> {
         let reference = find(interface, name)?;
         let variable = &interface.list()[reference as usize];
@@ -190,8 +189,8 @@ impl Signals {
         self.continuous.iter().chain(&self.discrete)
     }
 
-    /// Times that stand twice, and those at which a Boolean changes; with slopes all times, as a slope holds to the
-    /// next one.
+    /// Duplicate times, and times at which a Boolean changes. With slopes all times, because a slope holds until the
+    /// next time.
     fn find_events(&self) -> Vec<f64> {
         let changes = |k: usize| self.discrete.iter().any(|signal| signal.values[k] != signal.values[k - 1]);
         let is_event = |k: usize| self.with_slopes || k > 0 && (self.times[k] == self.times[k - 1] || changes(k));
@@ -210,8 +209,8 @@ impl Signals {
         self.events[after..].iter().copied().find(|event| !self.is_close(*event, time)).unwrap_or(f64::INFINITY)
     }
 
-    /// One input whose value runs from point to point, each a time [s] and a value; a time that stands twice is a jump.
-    /// A Boolean, 1 for true, is held until the next point. The times ascend.
+    /// One input whose value is linear between points of a time [s] and a value. A duplicate time is a jump. A Boolean,
+    /// with 1 for true, holds until the next point. The times ascend.
     pub fn of_points(reference: Reference, kind: Kind, points: &[[f64; 2]]) -> Self {
         let signal = Signal { reference, values: points.iter().map(|[_, value]| *value).collect() };
         let mut signals = Self { with_slopes: true, ..Self::none() };
@@ -235,10 +234,10 @@ impl Signals {
         self.all().map(|signal| signal.reference)
     }
 
-    /// Set the inputs to their values at `time`, as [`Self::settings`].
+    /// Set the inputs to their values at `time`, as in [`Self::settings`].
     ///
     /// # Errors
-    /// The model refuses a value.
+    /// The model rejects a value.
     #[inline]
     pub fn apply(&self, model: &mut Component, time: f64, after_event: bool) -> Result<(), Refused> {
         if self.times.is_empty() {
@@ -247,9 +246,8 @@ impl Signals {
         self.settings(time, after_event).try_for_each(|(reference, setting)| setting.apply(model, reference))
     }
 
-    /// What the inputs are set to at `time`, in order: at a jump the values after it, or those before it. A slope is
-    /// that of the step from `time` on. FMPy sets the slope of the step before, with which a corner is seen one step
-    /// late.
+    /// Settings of the inputs at `time`, in order: at a jump the values after it, or those before it. A slope is that
+    /// of the step from `time` on. FMPy sets the slope of the previous step, so that a corner acts one step late.
     pub fn settings(&self, time: f64, after_event: bool) -> impl Iterator<Item = (Reference, Setting)> {
         let next = self.place_from(time);
         let place = if self.with_slopes && after_event { next } else { self.place(time, after_event) };
@@ -278,7 +276,7 @@ impl Signals {
         row
     }
 
-    /// Where the continuous inputs are at `time`, as FMPy has it.
+    /// Place of `time` for the continuous inputs, as in FMPy.
     fn place(&self, time: f64, after_event: bool) -> Place {
         let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = times.partition_point(|t| *t < time);
@@ -295,7 +293,7 @@ impl Signals {
         Place::At { row, slope: None }
     }
 
-    /// Where the continuous inputs are at the beginning of a step from `time` on.
+    /// Place for the continuous inputs at the start of a step from `time` on.
     fn place_from(&self, time: f64) -> Place {
         let behind = self.times.partition_point(|t| *t <= time || self.is_close(*t, time));
         match behind.checked_sub(1) {
@@ -307,17 +305,17 @@ impl Signals {
     }
 }
 
-/// Place of a time among those of the signals.
+/// Place of a time among the times of the signals.
 #[derive(Clone, Copy)]
 enum Place {
-    /// At a row; the slope is that from the row `slope` to the next, or 0.
+    /// At a row. The slope is that from the row `slope` to the next row, or 0.
     At { row: usize, slope: Option<usize> },
     /// Between this row and the next.
     Between(usize),
 }
 
 impl Place {
-    /// Value and slope there.
+    /// Value and slope at this place.
     fn interpolate(&self, times: &[f64], values: &[f64], time: f64) -> [f64; 2] {
         let slope = |row: usize| (values[row + 1] - values[row]) / (times[row + 1] - times[row]);
         match *self {
@@ -330,7 +328,7 @@ impl Place {
     }
 }
 
-/// A cell of the file; a truth value as 1 or 0.
+/// A cell of the file. A Boolean is 1 or 0.
 fn value(text: &str, kind: Kind) -> Result<f64> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() => Ok(value),

@@ -1,8 +1,8 @@
-//! The recorded variables: rows to a file as the run goes on, courses for a plot.
+//! The recorded variables: rows for a file during the run, and time series for a plot.
 //!
-//! In: a model at a time. Out: blocks of rows for the file's writer, each row the time and the values, Booleans as 1
-//! and 0, NaN where a value does not exist; some of the rows, for a plot; which variables had no value, since when and
-//! why.
+//! In: a model at a time. Out: blocks of rows for the file's writer. Each row contains the time and the values, with
+//! Booleans as 1 and 0, and NaN for a missing value. Also some of the rows for a plot, and the variables without a
+//! value, with time and reason.
 
 use super::column::Column;
 use super::file::Writer;
@@ -11,27 +11,27 @@ use super::thinned::Thinned;
 use anyhow::{Context, Result};
 use linkage_fmu::component::Component;
 
-/// Rows that are handed to the writer at once.
+/// Number of rows that are passed to the writer at once.
 const BLOCK: usize = 1024;
-/// Most rows that are kept for a plot.
+/// Largest number of rows that are kept for a plot.
 const PLOTTED: usize = 1 << 14;
 
-/// What a run has left.
+/// Recorded data of a run.
 pub struct Recorded {
     /// The recorded variables.
     pub columns: Vec<Column>,
-    /// Values at the end, without the time; none of a run that came to none.
+    /// Values at the end, without the time. Empty if the run did not reach its end.
     pub last: Vec<f64>,
     /// Rows for a plot, each the time and the values.
     pub plotted: Vec<Vec<f64>>,
-    /// Which variables had no value, since when and why: a line for each reason.
+    /// Variables without a value, with time and reason: a line for each reason.
     pub missing: Vec<String>,
 }
 
-/// A table that grows.
+/// A table during the run.
 pub struct Table {
     columns: Vec<Column>,
-    /// Rows that the writer does not have yet; without a writer the last one read.
+    /// Rows that were not passed to the writer yet. Without a writer, the last row.
     block: Vec<f64>,
     writer: Option<Writer>,
     plotted: Option<Thinned<Vec<f64>>>,
@@ -39,17 +39,17 @@ pub struct Table {
 }
 
 impl Table {
-    /// A table of these columns, written to a file if there is a writer; `is_plotted`: rows are kept for a plot.
+    /// A table with these columns, written to a file if there is a writer. `is_plotted`: rows are kept for a plot.
     pub fn new(columns: Vec<Column>, writer: Option<Writer>, is_plotted: bool) -> Self {
         let plotted = is_plotted.then(|| Thinned::new(PLOTTED));
         let missing = Missing::new(columns.len());
         Self { columns, block: Vec::new(), writer, plotted, missing }
     }
 
-    /// Add the row of the model's present state. Nothing is read where neither file nor plot wants the row.
+    /// Add the row of the present state. If neither file nor plot needs the row, nothing is read.
     ///
     /// # Errors
-    /// The model refuses to tell a value; the file cannot be written.
+    /// The model rejects reading a value, or the file cannot be written.
     #[inline]
     pub fn record(&mut self, model: &mut Component, time: f64) -> Result<()> {
         let is_plotted = self.plotted.as_mut().is_some_and(Thinned::wants_next);
@@ -86,10 +86,10 @@ impl Table {
         Ok(())
     }
 
-    /// Write what is left; `last`: the model and its time, if the run came to an end.
+    /// Write the remaining rows. `last`: the model and its time, if the run has reached its end.
     ///
     /// # Errors
-    /// The file cannot be written; the model refuses to tell a value.
+    /// The file cannot be written, or the model rejects reading a value.
     pub fn finish(mut self, last: Option<(&mut Component, f64)>) -> Result<Recorded> {
         if let Some(writer) = &mut self.writer {
             writer.write(&mut self.block)?;

@@ -1,32 +1,32 @@
-//! Some of the items of a series whose length is not known: equally spaced, from the first on, in constant memory.
+//! A selection of equally spaced items of a series of unknown length, from the first item on, in constant memory.
 //!
-//! In: items in order. Out: those that are kept. It must not know what an item is.
+//! In: items in order. Out: the kept items. The module must not know what an item is.
 
-/// The items that are kept. Of more than there is room for, every second one is dropped.
+/// The kept items. If there is no room for more, every second item is dropped.
 pub struct Thinned<T> {
     items: Vec<T>,
-    /// Room, an even number, so that those kept stay equally spaced.
+    /// Room, an even number, so that the kept items stay equally spaced.
     room: usize,
-    /// Of how many items one is kept.
+    /// Number of items of which one is kept.
     stride: u64,
     /// Number of items seen.
     seen: u64,
 }
 
 impl<T> Thinned<T> {
-    /// No items yet; at most `room` / 2 + 1 of `room` or more will be kept at least.
+    /// No items yet. Of at least `room` items, at least `room` / 2 + 1 will be kept.
     pub fn new(room: usize) -> Self {
         Self { items: Vec::new(), room: room.next_multiple_of(2), stride: 1, seen: 0 }
     }
 
-    /// Whether the next item is to be kept; the next question is about the one after it.
+    /// Whether the next item is to be kept. The next call is about the item after it.
     pub fn wants_next(&mut self) -> bool {
         let is_wanted = self.seen.is_multiple_of(self.stride);
         self.seen += 1;
         is_wanted
     }
 
-    /// Keep an item that [`Self::wants_next`] wanted.
+    /// Keep an item for which [`Self::wants_next`] was true.
     pub fn keep(&mut self, item: T) {
         if self.items.len() == self.room {
             let mut index = 0_usize;
@@ -39,7 +39,7 @@ impl<T> Thinned<T> {
         self.items.push(item);
     }
 
-    /// The items that are kept.
+    /// The kept items.
     pub fn into_items(self) -> Vec<T> {
         self.items
     }

@@ -1,17 +1,17 @@
 //! The schema of a definition from its tables of keys.
 //!
-//! In: the elements of a definition, rules about keys that go together. Out: the text of its schema. It must not know
-//! laws.
+//! In: the elements of a definition, rules about combinations of keys. Out: the text of its schema. The module must not
+//! know laws.
 
 use linkage_fmu::format::{Element, Json, Key, Kind, Names, Node, Range, Short, parse, quoted};
 use linkage_fmu::hydraulics::network::definition as network;
 use linkage_fmu::mechanism::definition::CouplingKind;
 
-/// Rules about keys that go together, which are merged into the elements of their names.
+/// Rules about combinations of keys, which are merged into the elements with these names.
 const RULES: &str = include_str!("rules.json");
-/// Letters of a line, where a value is not one key.
+/// Largest length of a line with more than one key.
 const WIDTH: usize = 118;
-/// What an error of these texts would be.
+/// Text of the error that an invalid generated schema would give.
 const SOUND: &str = "what is put together here is JSON";
 
 /// The text of the schema of this definition file.
@@ -52,7 +52,7 @@ pub fn schema(definition_file: &str) -> String {
             value.merge("oneOf", kinds(element));
         }
         if let (true, Value::Object(members)) = (name == "network", &mut value) {
-            // The FMU has the name of the mechanism.
+            // The name of the mechanism is the name of the FMU.
             members.retain(|(key, _)| key != "required");
         }
         if let Value::Object(members) = &rules {
@@ -67,7 +67,8 @@ pub fn schema(definition_file: &str) -> String {
     text + "\n"
 }
 
-/// The elements of a definition file with their names in its schema, the whole first. A mechanism may hold a network.
+/// The elements of a definition file with their names in its schema. The first element is the whole file. A mechanism
+/// may contain a network.
 fn elements(definition_file: &str) -> Vec<(String, Element)> {
     let own = crate::reference::elements(definition_file).into_iter();
     let mut all: Vec<_> = own.map(|element| (element.name.to_owned(), element)).collect();
@@ -82,7 +83,7 @@ fn elements(definition_file: &str) -> Vec<(String, Element)> {
     all
 }
 
-/// The body that does not move: what of a body it may have.
+/// The keys of a body that the ground may have.
 fn ground(body: &Value) -> Value {
     let Value::Object(members) = body else { unreachable!("{SOUND}") };
     let mut ground = Value::read(
@@ -118,7 +119,7 @@ fn kinds(coupling: &Element) -> Value {
 
 struct Schema<'e> {
     elements: &'e [(String, Element)],
-    /// Whether a text may stand in the place of a number.
+    /// Whether a text may replace a number.
     takes_expressions: bool,
 }
 
@@ -148,7 +149,7 @@ impl Schema<'_> {
         value
     }
 
-    /// What may stand under a key, or in a list or group under it.
+    /// Schema of the value of a key, or of an item in its list or group.
     fn value(&self, kind: &Kind, key: &Key) -> Value {
         let read = |text: String| Value::read(&text);
         match kind {
@@ -192,7 +193,7 @@ impl Schema<'_> {
                 Value::Object(vec![("oneOf".into(), Value::List(vec![short, object]))])
             }
             Kind::Group(of) => {
-                // Names of variables are lines of text.
+                // Names of variables are texts of one line.
                 let names = match key.names {
                     Names::Line => "",
                     _ => ", \"propertyNames\": { \"$ref\": \"#/$defs/name\" }",
@@ -244,7 +245,7 @@ impl Value {
         }
     }
 
-    /// Give an object a member; a member that is an object already takes the members of the new one.
+    /// Give an object a member. If the member is an object already, the members of the new one are added to it.
     fn merge(&mut self, key: &str, value: Self) {
         let Self::Object(members) = self else { return };
         match (members.iter_mut().find(|(known, _)| known == key), value) {
@@ -260,7 +261,7 @@ impl Value {
         }
     }
 
-    /// On one line.
+    /// The text on one line.
     fn compact(&self) -> String {
         match self {
             Self::Raw(text) => text.clone(),
@@ -274,7 +275,7 @@ impl Value {
         }
     }
 
-    /// Over as few lines as are easily read: one for a key.
+    /// The text with one key per line.
     fn print(&self, indent: &str, key: &str, out: &mut String) {
         let line = self.compact();
         let is_key = matches!(self, Self::Object(members) if members.iter().any(|(key,

@@ -1,7 +1,7 @@
 //! The connections and values of a system, by the variables of its FMUs.
 //!
-//! In: a system as its file states it, the models of its FMUs. Out: pairs of an output and an input, values in SI
-//! units, all faults with the paths of their keys; warnings. It must not know how a system is written.
+//! In: a system from its file, the models of its FMUs. Out: pairs of an output and an input, values in SI units, all
+//! faults with the paths of their keys, warnings. The module must not know how a system is written.
 
 use super::System;
 use crate::start_values::{apply_all, find};
@@ -23,12 +23,12 @@ pub struct Connected {
     pub connections: Vec<[End; 2]>,
     /// Values of each FMU, in the order of its variables.
     pub values: Vec<Vec<(Reference, Value)>>,
-    /// Further variables that are shown.
+    /// Additional variables that are shown.
     shown: Vec<End>,
 }
 
 impl Connected {
-    /// What the file of a system states for these models, in the order of its FMUs.
+    /// The connections and values of a system for these models, in the order of its FMUs.
     pub fn new(system: &System, models: &[&Component], faults: &mut Faults) -> Self {
         let stated = &system.definition;
         let names = stated.fmus.names().into_iter().map(str::to_owned).collect();
@@ -55,7 +55,8 @@ impl Connected {
         own
     }
 
-    /// Values of an FMU: those of its parameter set, replaced by those of the system file. The model checks them all.
+    /// Values of an FMU: those of its parameter set, replaced by those of the system file. The model checks all of
+    /// them.
     fn read_values(
         &self,
         system: &System,
@@ -67,7 +68,7 @@ impl Connected {
         let Some(fmu) = system.definition.fmus.get(name) else { return Vec::new() };
         let mut values = BTreeMap::new();
         if let Some(file) = &fmu.parameters {
-            let read = ssv::read(&system.beside(file), model.interface());
+            let read = ssv::read(&system.path_of(file), model.interface());
             keep(format!("{path}.parameters"), read.map(|all| values.extend(all)));
         }
         for (variable, value) in fmu.values.iter() {
@@ -175,7 +176,7 @@ impl Connected {
         Ok(())
     }
 
-    /// The FMU and the terminal that a name such as `gear.actuator` means.
+    /// The FMU and the terminal with a name such as `gear.actuator`.
     fn terminal(&self, name: &str, models: &[&Component]) -> Result<(usize, Terminal)> {
         let (part, rest) = self.split(name)?;
         let terminals = models[part].terminals();
@@ -190,7 +191,7 @@ impl Connected {
         Ok((part, found))
     }
 
-    /// Variables of each FMU that are connected, shown or given a value, each once, in the order of the FMU.
+    /// Connected, shown and set variables of each FMU, without duplicates, in the order of the FMU.
     pub fn connectors<'m>(&self, models: &[&'m Component]) -> Vec<Vec<&'m Variable>> {
         let mut all = vec![BTreeSet::new(); models.len()];
         for (part, reference) in self.connections.iter().flatten().chain(&self.shown) {
@@ -205,7 +206,7 @@ impl Connected {
         all.into_iter().enumerate().map(variables).collect()
     }
 
-    /// What is probably not meant: an FMU without a connection, a loop of values that depend on each other at once.
+    /// Warnings: an FMU without a connection, a loop of values that depend on each other directly.
     pub fn warnings(&self, models: &[&Component]) -> Vec<String> {
         let is_alone = |part: &usize| self.connections.iter().flatten().all(|(other, _)| other != part);
         let alone = (0..models.len()).filter(|part| models.len() > 1 && is_alone(part));
@@ -223,13 +224,13 @@ impl Connected {
         warnings
     }
 
-    /// Outputs each of which depends on the next, and the last of which depends on the first; none if there is no loop.
+    /// Outputs in a loop: each depends on the next, and the last on the first. None if there is no loop.
     fn algebraic_loop(&self, models: &[&Component]) -> Option<Vec<End>> {
         let mut done = BTreeSet::new();
         self.connections.iter().find_map(|[output, _]| self.returns(*output, models, &mut Vec::new(), &mut done))
     }
 
-    /// The part of `path` that leads back to this output, by way of the outputs on which it depends.
+    /// The part of `path` that leads back to this output, through the outputs on which it depends.
     fn returns(
         &self,
         output: End,

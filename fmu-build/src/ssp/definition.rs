@@ -1,7 +1,7 @@
-//! A system of FMUs as its file states it.
+//! The definition of a system of FMUs.
 //!
-//! In: the text of `system.json`. Out: its sections, each key with a value of its type, or all faults. It must not know
-//! models: names of variables are only texts here.
+//! In: the text of `system.json`. Out: its sections, in which each key has a value of its type, or all faults. The
+//! module must not know models: names of variables are only texts.
 
 use crate::setting::Setting;
 use linkage_fmu::format::{Element, Key, Named, Range, element, keys, line, number};
@@ -55,5 +55,5 @@ keys! {
     }
 }
 
-/// What a file may hold: the whole first.
+/// The elements of the file. The first element is the whole file.
 pub const ELEMENTS: [Element; 2] = [Element::of::<Definition>(""), Element::of::<Fmu>("fmu")];

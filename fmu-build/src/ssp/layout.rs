@@ -1,8 +1,8 @@
-//! Places of the FMUs of a system and of their connectors in the diagram of an editor.
+//! Positions of the FMUs of a system and of their connectors in the diagram of an editor.
 //!
-//! In: numbers of connectors, which FMUs are connected. Out: rectangles that do not overlap, with inputs on the left,
-//! outputs on the right and parameters at the bottom. Editors scale the diagram, so that lengths have no unit. It must
-//! not know names.
+//! In: numbers of connectors, and pairs of connected FMUs. Out: rectangles that do not overlap, with inputs on the
+//! left, outputs on the right and parameters at the bottom. Editors scale the diagram, so that lengths have no unit.
+//! The module must not know names.
 
 use linkage_fmu::variables::{Causality, Variable};
 
@@ -18,7 +18,7 @@ const MARGIN: f64 = 40.0;
 /// A rectangle: x and y of its lower left corner, then of its upper right one. The y axis points up.
 pub type Area = [f64; 4];
 
-/// Side of an FMU: inputs on the left, outputs on the right, all else at the bottom.
+/// Side of a connector: inputs on the left, outputs on the right, all others at the bottom.
 fn side(variable: &Variable) -> usize {
     match variable.causality {
         Causality::Input => 0,
@@ -27,15 +27,15 @@ fn side(variable: &Variable) -> usize {
     }
 }
 
-/// Numbers of connectors on each side of an FMU with these connectors.
+/// Number of connectors on each side of an FMU with these connectors.
 fn counts(connectors: &[&Variable]) -> [usize; 3] {
     let mut counts = [0; 3];
     connectors.iter().for_each(|variable| counts[side(variable)] += 1);
     counts
 }
 
-/// Places of the connectors of an FMU, as parts of its width and height from its lower left corner. On each side, the
-/// first connector is at the top, or on the left.
+/// Positions of the connectors of an FMU, relative to its width and height from its lower left corner. On each side,
+/// the first connector is at the top or on the left.
 pub fn places(connectors: &[&Variable]) -> Vec<[f64; 2]> {
     let counts = counts(connectors);
     let mut next = [0; 3];
@@ -52,8 +52,8 @@ pub fn places(connectors: &[&Variable]) -> Vec<[f64; 2]> {
     connectors.iter().map(&mut place).collect()
 }
 
-/// Areas of FMUs with these connectors, and of the whole diagram. Each FMU stands one column right of the last of those
-/// before it that it is connected with, so that no two FMUs of one column are connected.
+/// Areas of FMUs with these connectors, and of the whole diagram. Each FMU is one column to the right of the last
+/// previous FMU with which it is connected. FMUs of one column are therefore not connected.
 pub fn areas(parts: &[Vec<&Variable>], connected: &[[usize; 2]]) -> (Vec<Area>, Area) {
     let mut columns: Vec<usize> = Vec::new();
     for part in 0..parts.len() {

@@ -1,7 +1,7 @@
 //! `cargo fmu package --ssp`: mechanisms and their hydraulics as systems of SSP 1.0.
 //!
-//! In: system files, packed FMUs. Out: `<name>.ssp` next to the FMUs. A simulation tool that holds inputs couples the
-//! FMUs as they are: the force on a mechanism is the mean that its hydraulics predict for the next step.
+//! In: system files, packed FMUs. Out: `<name>.ssp` next to the FMUs. A simulation tool that holds inputs can couple
+//! the FMUs: the force on a mechanism is the mean force that its hydraulics predicts for the next step.
 
 mod connect;
 pub mod definition;
@@ -21,8 +21,8 @@ use linkage_fmu::format::{self, DefinitionError, Faults, LARGEST_DEFINITION, Num
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Names of the example systems: the landing gear with its actuator, which is scene H1 of the coupling benchmark; gear,
-/// door and the hydraulic system that moves and unlocks both.
+/// Names of the example systems: the landing gear with its actuator (scene H1 of the coupling benchmark), and gear and
+/// door with the hydraulic system that moves and unlocks both.
 const EXAMPLES: [&str; 2] = ["LandingGearRetractionWithHydraulics", "LandingGearSystem"];
 
 /// Files of the example systems.
@@ -35,7 +35,7 @@ pub fn example(workspace: &Workspace, name: &str) -> PathBuf {
     workspace.descriptions().join(name).with_extension("json")
 }
 
-/// A system that was read.
+/// A system from its file.
 pub struct System {
     path: PathBuf,
     text: String,
@@ -44,7 +44,7 @@ pub struct System {
     pub files: Vec<PathBuf>,
 }
 
-/// A system that is ready to be packed with its FMUs.
+/// A system before packing.
 pub struct Packable {
     /// Name of the package.
     pub name: String,
@@ -52,7 +52,7 @@ pub struct Packable {
     models: Vec<String>,
     /// Text of the system structure.
     pub structure: String,
-    /// What is probably not meant, each in a line.
+    /// Warnings, one per line.
     pub warnings: Vec<String>,
 }
 
@@ -60,7 +60,7 @@ impl System {
     /// Read a system file, and find the definitions of its FMUs.
     ///
     /// # Errors
-    /// The file cannot be read; all faults of its keys, each in a line; an FMU has no definition.
+    /// The file cannot be read; all faults of its keys, one per line; an FMU has no definition.
     pub fn read(workspace: &Workspace, path: &Path) -> Result<(Self, Vec<Source>)> {
         let shown = path.display();
         let bytes = files::read(path, LARGEST_DEFINITION)
@@ -77,7 +77,7 @@ impl System {
         system.refused(faults)?;
         let (mut sources, mut faults) = (Vec::new(), Faults::default());
         for (name, fmu) in system.definition.fmus.iter() {
-            let found = Source::find(workspace, &system.beside(&fmu.definition));
+            let found = Source::find(workspace, &system.path_of(&fmu.definition));
             let path = format!("fmus.{name}.definition");
             sources.extend(faults.keep(found.map_err(|error| DefinitionError::key(path, format_args!("{error:#}")))));
         }
@@ -89,7 +89,7 @@ impl System {
     /// The system with the models of its FMUs, in the order of the file.
     ///
     /// # Errors
-    /// All faults of names, connections and values, each in a line.
+    /// All faults of names, connections and values, one per line.
     pub fn packable(&self, models: &[&Component]) -> Result<Packable> {
         let Definition { name, description, stop_time, fmus, .. } = &self.definition;
         let mut faults = Faults::default();
@@ -128,13 +128,13 @@ impl System {
         Ok(Packable { name: name.clone(), models, structure, warnings })
     }
 
-    /// Path of a file that the system names.
-    fn beside(&self, path: &str) -> PathBuf {
+    /// Path of a file that the system names relative to its own folder.
+    fn path_of(&self, path: &str) -> PathBuf {
         self.path.parent().unwrap_or(Path::new("")).join(path)
     }
 
     /// # Errors
-    /// All faults, each in a line with its place in the text.
+    /// All faults, one per line with their places in the text.
     fn refused(&self, faults: Faults) -> Result<()> {
         let mut lines = Vec::new();
         for fault in faults {
@@ -149,7 +149,7 @@ impl System {
     }
 }
 
-/// What a file states without regard to its models.
+/// Check the parts of a file that do not depend on its models.
 fn check(definition: &Definition, faults: &mut Faults) {
     const NAME: &str = "a name of letters, digits and underscores that does not start with a digit";
     let Definition { name, description, stop_time, fmus, .. } = definition;
@@ -170,12 +170,12 @@ fn check(definition: &Definition, faults: &mut Faults) {
     }
 }
 
-/// The full path of a file, as far as there is one.
+/// The full path of a file. If the file does not exist, the given path.
 pub fn full(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// Write the package of a system; its FMUs are in the folder.
+/// Write the package of a system, whose FMUs are in the folder.
 ///
 /// # Errors
 /// A file cannot be read or written.

@@ -1,8 +1,8 @@
-//! `cargo fmu test --platforms`: the libraries for other machines run, by Wine and QEMU, and give the results of this
-//! one.
+//! `cargo fmu test --platforms`: Wine and QEMU run the libraries for other machines, whose results must agree with this
+//! machine.
 //!
-//! In: the FMUs of modelDescription/ with the libraries that can be built here. Out: a table of how the results differ;
-//! an error if they do by more than round-off, or a call is refused.
+//! In: the FMUs of modelDescription/ with the libraries that can be built here. Out: a table of the differences, and an
+//! error if a difference is larger than rounding or a call fails.
 
 use crate::fmu::Fmu;
 use crate::needs::Needs;
@@ -17,28 +17,29 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Folder of the FMUs, with what a path may have in it.
+/// Folder of the FMUs, with special characters in its name.
 const FOLDER: &str = "a b é 100% ü";
-/// Communication steps of a run.
+/// Number of communication steps of a run.
 const STEPS: usize = 200;
-/// Largest difference between platforms, as a part of an output's largest value. Reactions and accelerations of stiff
-/// models repeat the round-off of the state enlarged; 100 times the tolerance of the integration would be a fault.
+/// Largest difference between platforms, relative to the largest value of an output. Reactions and accelerations of
+/// stiff models amplify the rounding of the state. A difference of 100 times the tolerance of the integration would be
+/// a fault.
 const LARGEST: f64 = 1e-7;
-/// Least value that a difference is related to, as a part of the output's nominal value: FMI's absolute tolerance of a
-/// solver is 0.01 x tolerance x nominal, which is allowed here at the tolerance 1e-9 of the models. An output that is
-/// smaller is the remainder of larger quantities, as the flow through an orifice is between two equal pressures.
+/// Smallest reference value of a difference, relative to the nominal value of the output. FMI's absolute tolerance of a
+/// solver is 0.01 x tolerance x nominal, which is allowed here at the tolerance 1e-9 of the models. A smaller output is
+/// the remainder of larger quantities, such as the flow through an orifice between two equal pressures.
 const LEAST: f64 = 0.01 * 1e-9 / LARGEST;
 
-/// How a program for a platform is compiled and run here.
+/// How a program for a platform is compiled and run on this machine.
 #[derive(Clone, Copy)]
 struct Machine {
     /// Folder of FMI 2.0.
     platform: &'static str,
     compiler: &'static str,
     options: &'static [&'static str],
-    /// Program with arguments that runs programs for this platform; empty for this machine.
+    /// Program with arguments that runs programs of this platform. Empty for this machine.
     launcher: &'static [&'static str],
-    /// Packages of Debian with compiler and launcher.
+    /// Debian packages of compiler and launcher.
     packages: &'static str,
 }
 
@@ -60,32 +61,33 @@ const MACHINES: [Machine; 3] = [
     },
 ];
 
-/// An FMU on disk, unpacked.
+/// An unpacked FMU on disk.
 struct Unpacked {
     folder: PathBuf,
     description: Description,
     identifier: String,
     /// Names of the real outputs.
     outputs: Vec<String>,
-    /// Their nominal values, 0 where none is stated.
+    /// Nominal values of the outputs, 0 if none is stated.
     nominals: Vec<f64>,
     /// Their value references.
     references: Vec<String>,
 }
 
-/// How the results of a platform differ from this machine's.
+/// Difference of the results of a platform from those of this machine.
 struct Difference {
     numbers: usize,
-    /// Numbers with other bits.
+    /// Number of values with different bits.
     others: usize,
-    /// The output that differs most, and by how much, as a part of its largest value or of a part of its nominal value.
+    /// The output with the largest difference, and this difference relative to its largest value, or to a part of its
+    /// nominal value.
     largest: (String, f64),
 }
 
-/// Pack all FMUs, run their libraries, compare; the table.
+/// Pack all FMUs, run their libraries and compare. Returns the table.
 ///
 /// # Errors
-/// A library cannot be built or run though its toolchain is there, or its results are others.
+/// A library cannot be built or run although its toolchain is installed, or its results differ.
 pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
     let out = workspace.target("platforms").join(FOLDER);
     let given = |name: &str| binaries.iter().any(|binary| binary.platform == name);
@@ -154,7 +156,7 @@ pub fn run(workspace: &Workspace, binaries: &[Library]) -> Result<String> {
 }
 
 impl Machine {
-    /// The first program that cannot be started here.
+    /// The first program that cannot be started on this machine.
     fn missing(&self) -> Option<&'static str> {
         let mut programs = [self.compiler].into_iter().chain(self.launcher.first().copied());
         programs.find(|program| {
@@ -162,7 +164,7 @@ impl Machine {
         })
     }
 
-    /// Compile the host, and for Wine a system library that it may lack.
+    /// Compile the host. For Wine also build a system library that may be missing.
     fn host(&self, workspace: &Workspace) -> Result<PathBuf> {
         let host = workspace.target("platforms").join(format!("host-{}.exe", self.platform));
         let mut compiler = Command::new(self.compiler);
@@ -182,7 +184,7 @@ impl Machine {
         Ok(host)
     }
 
-    /// A path as programs for this platform see it: Wine's drive Z is the root.
+    /// A path for programs of this platform. In Wine the drive Z is the root.
     fn path(&self, path: &Path) -> OsString {
         if self.platform != "win64" {
             return path.into();
@@ -229,8 +231,8 @@ impl Unpacked {
         self.folder.join(binary::path(machine.platform, &self.identifier).unwrap_or_default())
     }
 
-    /// The outputs at each communication point, by the resource location as a URI, as a plain path and as NULL, which
-    /// must be the same.
+    /// The outputs at each communication point, for the resource location as a URI, as a plain path and as NULL. All
+    /// three must agree.
     fn run(&self, machine: &Machine, host: &Path) -> Result<Vec<u64>> {
         let resources = self.folder.join("resources");
         let locations = [machine.uri(&resources).into(), machine.path(&resources), "-".into()];
@@ -284,7 +286,7 @@ impl Unpacked {
         let columns = self.outputs.iter().enumerate();
         for (column, name) in columns.clone() {
             let scale = match name.rsplit_once('.') {
-                // These are the rounding of the other outputs of their group: of energies, of volumes.
+                // These outputs contain only the rounding of the other outputs of their group, of energies or volumes.
                 Some((group, "drift" | "balance")) => {
                     let of_group =
                         columns.clone().filter(|(_, other)| other.rsplit_once('.').is_some_and(|o| o.0 == group));
@@ -294,7 +296,7 @@ impl Unpacked {
             };
             let (expected, found) = (values(expected, column), values(found, column));
             for (a, b) in expected.iter().zip(&found) {
-                // Both may be undefined; one alone is a fault.
+                // Both values may be NaN. A single NaN is a fault.
                 let difference = match (a.is_nan(), b.is_nan()) {
                     (true, true) => 0.0,
                     (false, false) if a == b => 0.0,

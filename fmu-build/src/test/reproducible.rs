@@ -1,6 +1,6 @@
-//! The same source gives the same library, wherever it lies.
+//! The same source gives the same library in any folder.
 //!
-//! In: the repository. Out: a line; an error if a copy of the repository in another folder gives other bytes.
+//! In: the repository. Out: a line, and an error if a copy of the repository in another folder gives other bytes.
 
 use crate::binary;
 use crate::library::served;
@@ -11,15 +11,15 @@ use std::env::consts::DLL_EXTENSION;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What of the repository takes part in a build; of the other packages Cargo reads the description.
+/// Parts of the repository for a build. Cargo reads the descriptions of the other packages too.
 const PARTS: [&str; 6] = ["Cargo.toml", "Cargo.lock", "src", "fmu-build", "validation", "modelDescription"];
-/// Folder of the copy. Its name is of another length than the repository's.
+/// Folder of the copy. Its name has another length than that of the repository.
 const COPY: &str = "a copy of the repository, somewhere else";
 
-/// Build the library here and in a copy of the repository, each with a target folder of its own, and compare.
+/// Build the library here and in a copy of the repository, with separate target folders, and compare.
 ///
 /// # Errors
-/// A build fails; the bytes differ, told with the first place.
+/// A build fails, or the bytes differ. The message contains the first difference.
 pub fn run(workspace: &Workspace) -> Result<()> {
     let folder = workspace.target("platforms").join("reproducible");
     let copy = folder.join(COPY);
@@ -48,7 +48,7 @@ pub fn run(workspace: &Workspace) -> Result<()> {
 /// The library that is built from the repository in `root`.
 fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
     let mut cargo = command::cargo(workspace);
-    // Of the program that runs now, Cargo tells its children where it lies.
+    // Cargo passes the folder of the running program to its child processes.
     cargo.current_dir(root).env_remove("CARGO_MANIFEST_DIR").env("CARGO_TARGET_DIR", target);
     cargo.args(["build", "--release", "--quiet", "--package", served::MECHANISMS.package, "--lib"]);
     command::run(&mut cargo, "cargo build")?;
@@ -57,7 +57,8 @@ fn build(workspace: &Workspace, root: &Path, target: &Path) -> Result<Vec<u8>> {
     fs::read(&path).with_context(|| format!("{}: cannot be read", path.display()))
 }
 
-/// Place of the first byte in which two files differ; the length of the shorter one if it begins the longer one.
+/// Index of the first byte in which two files differ. The length of the shorter file if it is a prefix of the longer
+/// one.
 fn first_difference(a: &[u8], b: &[u8]) -> Option<usize> {
     let first = a.iter().zip(b).position(|(a, b)| a != b);
     first.or_else(|| (a.len() != b.len()).then(|| a.len().min(b.len())))

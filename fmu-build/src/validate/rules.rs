@@ -1,7 +1,7 @@
-//! Rules of the standard that a `modelDescription.xml` keeps beyond its schema (FMI 2.0.5, 2.2; FMI 3.0.2, 2.4).
+//! Rules of the standard for `modelDescription.xml` that its schema does not contain (FMI 2.0.5, 2.2; FMI 3.0.2, 2.4).
 //!
-//! In: the text of the file, of FMI 2.0 or 3.0 and of any program. Out: a line for each rule that is broken. The rules
-//! are those that the formal model of FMI 2.0 in VDM checks, as far as they need no library.
+//! In: the text of the file, of FMI 2.0 or 3.0 and of any program. Out: a line for each broken rule. The rules are
+//! those of the formal VDM model of FMI 2.0 that need no library.
 
 mod elements;
 
@@ -9,9 +9,9 @@ use crate::xml::common::is_c_identifier;
 use elements::{Element, elements};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Kinds of variables whose start value is no number.
+/// Types of variables whose start value is no number.
 const NO_NUMBERS: [&str; 6] = ["String", "Binary", "Clock", "Boolean", "Enumeration", "Independent"];
-/// Lists in which no two elements have the same value of an attribute.
+/// Lists in which the values of an attribute must be unique.
 const UNIQUE: [(&str, &str, &str); 4] = [
     ("LogCategories", "Category", "name"),
     ("UnitDefinitions", "Unit", "name"),
@@ -36,7 +36,7 @@ impl Variable {
     }
 }
 
-/// What is read of a description.
+/// The parts of a description that the rules use.
 struct Rules {
     elements: Vec<Element>,
     variables: Vec<Variable>,
@@ -44,7 +44,7 @@ struct Rules {
     broken: Vec<String>,
 }
 
-/// The rules that this description breaks; none of a text that is no XML, which its reader reports.
+/// The rules that this description breaks. None for a text that is no XML, which its reader reports.
 pub fn broken(xml: &str) -> Vec<String> {
     let Some(elements) = elements(xml) else { return Vec::new() };
     let is_3 = elements.first().is_some_and(|root| root.get("fmiVersion").starts_with('3'));
@@ -131,7 +131,7 @@ impl Rules {
         self.broken.extend(broken);
     }
 
-    /// Causality, variability, initial, start, bounds, unit, type, derivative of one variable.
+    /// Causality, variability, initial, start, bounds, unit, type and derivative of one variable.
     fn variable(&mut self, index: usize) {
         let v = &self.variables[index];
         let [causality, variability, initial] = ["causality", "variability", "initial"].map(|name| v.get(name));
@@ -170,7 +170,7 @@ impl Rules {
             || matches!(causality, "parameter" | "structuralParameter" | "input")
             || variability == "constant";
         let has_start = v.all.contains_key("start");
-        // Texts have it in an element; FMI 3.0 lets an input be calculated.
+        // A String has its start value in an element. In FMI 3.0 an input may be calculated.
         let may_lack =
             matches!(v.kind.as_str(), "String" | "Binary" | "Clock") || (self.is_3 && initial == "calculated");
         if needs_start && !has_start && !may_lack {
@@ -222,7 +222,7 @@ impl Rules {
         self.broken.extend(broken.into_iter().map(|message| format!("{name}: {message}")));
     }
 
-    /// Index of the variable to which an index of FMI 2.0 or a value reference of FMI 3.0 leads.
+    /// Index of the variable with this index (FMI 2.0) or value reference (FMI 3.0).
     fn named(&self, text: &str) -> Option<usize> {
         if self.is_3 {
             return self.variables.iter().position(|variable| variable.get("valueReference") == text);
@@ -230,7 +230,8 @@ impl Rules {
         text.parse::<usize>().ok()?.checked_sub(1).filter(|index| *index < self.variables.len())
     }
 
-    /// Variables of one value reference: none in FMI 3.0; in FMI 2.0 of one kind, unit, and one that the host sets.
+    /// Variables with a common value reference: not allowed in FMI 3.0. In FMI 2.0 they have one type and unit, and the
+    /// host sets at most one of them.
     fn aliases(&mut self) {
         let mut broken = Vec::new();
         let mut groups: BTreeMap<(String, String), Vec<&Variable>> = BTreeMap::new();
@@ -253,7 +254,7 @@ impl Rules {
         self.broken.extend(broken);
     }
 
-    /// The lists of `ModelStructure`: complete, no entry twice, dependencies that exist.
+    /// The lists of `ModelStructure`: complete, without duplicates, with existing dependencies.
     fn structure(&mut self) {
         let mut broken = Vec::new();
         let mut lists: BTreeMap<&str, Vec<usize>> = BTreeMap::new();

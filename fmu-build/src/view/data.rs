@@ -1,6 +1,6 @@
-//! What the page plays: the scene, the motion in time, the travel without time, all from the engine.
+//! The data of the page from the engine: the scene, the motion in time, the travel without time.
 //!
-//! In: a checked definition, start values. Out: data for the page. It must not know how anything is drawn.
+//! In: a checked definition, start values. Out: data for the page. The module must not know how anything is drawn.
 
 mod motion;
 mod still;
@@ -21,23 +21,23 @@ pub use still::Still;
 pub use sweep::Travel;
 pub use wanted::Wanted;
 
-/// How far the definition comes.
+/// Result of the computation for a definition.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Status {
-    /// The whole motion that was asked for.
+    /// The whole requested motion.
     Whole,
-    /// The motion up to a step that could not be made.
+    /// The motion up to a step that failed.
     Part,
     /// Poses without a motion: at the guess, or assembled.
     Still,
-    /// Nothing to be drawn.
+    /// Nothing can be drawn.
     Nothing,
 }
 
 /// A finding, for the page.
 #[derive(Clone, Debug, Serialize)]
-pub struct Told {
+pub struct PageFinding {
     is_error: bool,
     path: String,
     line: usize,
@@ -45,42 +45,42 @@ pub struct Told {
     remedy: String,
 }
 
-/// All that the page knows.
+/// All data of the page.
 #[derive(Clone, Debug, Serialize)]
 pub struct Data {
-    /// Name of the model; empty if the definition could not be read.
+    /// Name of the model. Empty if the definition could not be read.
     pub name: String,
     /// One line of text.
     pub description: String,
-    /// The definition, as messages name it.
+    /// Path of the definition in messages.
     pub source: String,
-    /// How far the definition comes.
+    /// How much of the motion could be computed.
     pub status: Status,
-    /// Why it comes no further.
+    /// Reason for an incomplete motion.
     pub error: Option<String>,
-    /// What the check has found.
-    pub findings: Vec<Told>,
-    /// What there is to be drawn.
+    /// Findings of the check.
+    pub findings: Vec<PageFinding>,
+    /// The parts to draw.
     pub scene: Option<Scene>,
     /// The motion in time.
     pub motion: Option<Motion>,
     /// The travel without time.
     pub travel: Option<Travel>,
-    /// Poses of a definition that gives no motion.
+    /// Poses of a definition without a motion.
     pub still: Option<Still>,
-    /// Unit of lengths and its factor, as the file states them.
+    /// Unit of lengths in the file, and its factor.
     pub length: (&'static str, f64),
-    /// What is different in this run, where two are compared.
+    /// Differences of this run in a comparison of two runs.
     pub label: String,
-    /// The run with which this one is compared.
+    /// The run with which this run is compared.
     pub compare: Option<Box<Self>>,
 }
 
 impl Data {
-    /// Compute what is wanted, as far as the definition comes.
+    /// Compute the requested data as far as possible.
     ///
     /// # Errors
-    /// A start value that no variable takes, or a stop time that is no time.
+    /// A start value is invalid, or the stop time is no time.
     pub fn collect(checked: &Checked, wanted: &Wanted) -> Result<Self> {
         let mut opened = Simulation::open(&checked.text).map_err(|error| error.to_string());
         if let Ok(simulation) = &mut opened {
@@ -89,9 +89,9 @@ impl Data {
         Ok(Self::played(checked, &mut opened, wanted))
     }
 
-    /// The same from a simulation that has its start values, or the reason why there is none.
+    /// The same data from a simulation with its start values, or from the reason why there is none.
     pub fn played(checked: &Checked, opened: &mut Result<Simulation, String>, wanted: &Wanted) -> Self {
-        let told = checked.findings.iter().map(|located| Told {
+        let findings = checked.findings.iter().map(|located| PageFinding {
             is_error: located.finding.severity == Severity::Error,
             path: located.finding.path.clone(),
             line: if located.span.is_empty() { 0 } else { located.position[0] },
@@ -104,7 +104,7 @@ impl Data {
             source: checked.shown.clone(),
             status: Status::Nothing,
             error: None,
-            findings: told.collect(),
+            findings: findings.collect(),
             scene: None,
             motion: None,
             travel: None,
@@ -128,7 +128,7 @@ impl Data {
         data
     }
 
-    /// The motion and the travel, and why the motion ends before its time; why there is no start, if there is none.
+    /// Compute motion and travel. Returns the reason why the motion ends early or there is no start.
     fn play(
         &mut self,
         simulation: &mut Simulation,
@@ -152,14 +152,14 @@ impl Data {
         Ok(error)
     }
 
-    /// Poses of a definition that gives no motion.
+    /// Poses of a definition without a motion.
     fn stand(&mut self, text: &str) {
         if let Some((scene, still)) = Still::new(text) {
             (self.status, self.scene, self.still) = (Status::Still, Some(scene), Some(still));
         }
     }
 
-    /// Compare with another run, in which these start values were changed.
+    /// Compare with another run with these changed start values.
     pub fn compare_with(&mut self, mut other: Self, changed: &[String]) {
         let [one, two] = match (self.source == other.source, self.name == other.name) {
             (true, _) => ["as defined".to_owned(), String::new()],
@@ -172,18 +172,18 @@ impl Data {
         self.compare = Some(Box::new(other));
     }
 
-    /// What the page is called.
+    /// Title of the page.
     pub fn title(&self) -> &str {
         if self.name.is_empty() { "Mechanism" } else { &self.name }
     }
 
-    /// Name of the page's file.
+    /// File name of the page.
     pub fn file_name(&self) -> &str {
         let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
         if self.title().chars().all(is_name) { self.title() } else { "Mechanism" }
     }
 
-    /// What the page shows, in a few words.
+    /// Contents of the page in a few words.
     pub fn summary(&self) -> String {
         match (&self.motion, &self.still) {
             (Some(motion), _) => format!("{} frames over {} s", motion.frames(), motion.stop_time()),

@@ -1,6 +1,6 @@
 //! The page: a template filled with style, script, plots and data.
 //!
-//! In: data. Out: one HTML document that loads nothing. It must not know mechanics.
+//! In: data. Out: one HTML document that loads no other files. The module must not know mechanics.
 
 use super::data::Data;
 use anyhow::{Context, Result};
@@ -28,11 +28,11 @@ const SCRIPTS: [&str; 14] = [
 ];
 /// uPlot 1.6.32: script, and style.
 const PLOTS: [&str; 2] = [include_str!("page/uplot/uPlot.iife.min.js"), include_str!("page/uplot/uPlot.min.css")];
-/// Its licence, which each page has as a comment of the script.
+/// Its licence, which each page contains as a comment of the script.
 const LICENCE: &str = include_str!("page/uplot/LICENSE");
 
-/// JSON that may stand in a script element: what could end it, or end a line of it, is escaped; so are the marks that
-/// turn the direction of text, which would show the source in another order than it has.
+/// JSON for a script element. Text that could end the element or a line is escaped. The marks that change the direction
+/// of text are escaped too, because they would show the source in a wrong order.
 pub fn as_script(json: &str) -> String {
     let mut out = String::with_capacity(json.len() + json.len() / 16);
     for c in json.chars() {
@@ -53,45 +53,45 @@ pub fn as_script(json: &str) -> String {
     out
 }
 
-/// Lines of a script or a style without what only its readers need: indentation, and comments that fill lines.
+/// Lines of a script or a style without indentation and without comment lines.
 fn slim(text: &str) -> String {
     let lines = text.lines().map(str::trim);
     let is_comment = |line: &str| line.starts_with("//") || line.starts_with("/**") && line.ends_with("*/");
     lines.filter(|line| !line.is_empty() && !is_comment(line)).flat_map(|line| [line, "\n"]).collect()
 }
 
-/// What a page has besides, which talks to a server.
+/// Additional parts of a page with a server.
 #[derive(Clone, Copy, Debug)]
 pub struct Live<'a> {
-    /// Style, after that of the page.
+    /// Style, after the style of the page.
     pub style: &'a str,
     /// Elements before those of the page.
     pub body: &'a str,
-    /// A library, which stands by itself.
+    /// A library in a separate script element.
     pub library: &'a str,
-    /// Script, after the page's in its scope.
+    /// Script, in the scope of the page's script after it.
     pub script: &'a str,
-    /// JSON in the elements of these names.
+    /// JSON in elements with these names.
     pub data: &'a [(&'a str, &'a str)],
 }
 
-/// The whole page, which loads nothing.
+/// The whole page, which loads no other files.
 ///
 /// # Errors
-/// The template is wrong.
+/// The template is invalid.
 pub fn html(data: &Data) -> Result<String> {
     page(data, None)
 }
 
-/// The page of a server.
+/// The page with a server.
 ///
 /// # Errors
-/// The template is wrong.
+/// The template is invalid.
 pub fn live(data: &Data, live: &Live) -> Result<String> {
     page(data, Some(live))
 }
 
-/// A name, and JSON for an element of a script.
+/// A name, and JSON for a script element.
 fn in_script((name, json): &(&str, &str)) -> (String, Value) {
     ((*name).to_owned(), Value::from_safe_string(as_script(json)))
 }

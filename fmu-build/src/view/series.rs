@@ -1,28 +1,29 @@
-//! Samples as few letters: whole numbers of a decimal step, as second differences.
+//! Samples as a short text: integer multiples of a decimal step, as second differences.
 //!
-//! In: samples. Out: what the page reads back to six digits of their range. It must not know what they mean.
+//! In: samples. Out: a text from which the page reads them back to six digits of their range. The module must not know
+//! what they mean.
 
 use serde::Serialize;
 
-/// Digits of the range that are kept.
+/// Number of digits of the range that are kept.
 const DIGITS: i32 = 6;
-/// Beyond this a value stands for an infinite one.
+/// A larger value represents infinity.
 const INFINITE: f64 = 1e300;
 
 /// Samples of one quantity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Series {
-    /// The same value in all samples; None where there is no value.
+    /// One value for all samples. None if there is no value.
     Constant(Option<f64>),
-    /// Whole numbers of a step: second differences, the first two from 0; None where there is no value.
+    /// Integer multiples of a step: second differences, the first two from 0. None where there is no value.
     Steps {
         /// The step.
         s: f64,
         /// Differences.
         d: Vec<Option<i64>>,
     },
-    /// Values as they are, of a quantity that is far greater somewhere than elsewhere.
+    /// Single values, for a quantity with high peaks.
     Values {
         /// Values, to six digits each.
         v: Vec<Option<f64>>,
@@ -30,7 +31,7 @@ pub enum Series {
 }
 
 impl Series {
-    /// Samples; what is not finite, or stands for an infinite value, is no value.
+    /// Samples. A value that is not finite, or represents infinity, is missing.
     pub fn new(samples: &[f64]) -> Self {
         let finite = || samples.iter().copied().filter(|x| x.abs() < INFINITE);
         let (least, most) = finite().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
@@ -82,7 +83,7 @@ impl Series {
     }
 }
 
-/// Nearest whole number of steps of a power of ten.
+/// Nearest integer multiple of a power of ten.
 fn in_steps(x: f64, exponent: i32) -> i64 {
     (x * 10f64.powi(-exponent)).round() as i64
 }
@@ -91,7 +92,7 @@ fn value(x: f64) -> Option<f64> {
     (x.abs() < INFINITE).then(|| rounded(x, DIGITS as usize))
 }
 
-/// A value to so many digits.
+/// A value with this number of digits.
 fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x)
 }
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_come_back_to_six_digits_of_their_range() {
+    fn stored_samples_have_six_digits_of_their_range() {
         for (scale, offset) in [(1.0, 0.0), (3e4, 1e4), (2e-9, 1e-8), (7e12, -1.0), (1e-3, 1e3)] {
             let samples: Vec<f64> = (0..300).map(|k| offset + scale * (f64::from(k) / 40.0).sin()).collect();
             assert!(error(&samples) <= 1e-6 * 2.0 * scale, "{scale} {offset}: {}", error(&samples));
@@ -114,7 +115,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_constant_or_missing_is_one_value() {
+    fn a_constant_or_missing_series_is_one_value() {
         assert_eq!(Series::new(&[9.81; 5]), Series::Constant(Some(9.81)));
         assert_eq!(Series::new(&[0.0; 5]), Series::Constant(Some(0.0)));
         assert_eq!(Series::new(&[f64::NAN; 5]), Series::Constant(None));

@@ -1,4 +1,4 @@
-//! What all XML files of an FMU share: documents, elements, numbers, unit definitions, legal texts.
+//! Common parts of all XML files of an FMU: documents, elements, numbers, unit definitions, legal texts.
 
 use anyhow::{Result, bail};
 use linkage_fmu::variables::{Unit, Value, Variable};
@@ -43,13 +43,13 @@ pub fn empty(xml: &mut Xml, name: &str, attributes: &[(&str, String)]) -> io::Re
     xml.create_element(name).with_attributes(attributes).write_empty().map(drop)
 }
 
-/// The shortest decimal number that reads back as the same bits; with an exponent where that spares many zeros.
+/// The shortest decimal number that is read back with the same bits. It has an exponent if this saves many zeros.
 pub fn number(value: f64) -> String {
     let magnitude = value.abs();
     if magnitude != 0.0 && !(1e-4..1e15).contains(&magnitude) { format!("{value:e}") } else { value.to_string() }
 }
 
-/// The units of these variables, each once.
+/// The units of these variables, without duplicates.
 pub fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     let units: BTreeSet<Unit> = variables.iter().filter_map(|variable| variable.unit).collect();
     if units.is_empty() {
@@ -61,7 +61,7 @@ pub fn write_units(xml: &mut Xml, variables: &[Variable]) -> io::Result<()> {
     })
 }
 
-/// A unit, in elements of these names; without its display unit where the last name is empty.
+/// A unit, in elements with these names. If the last name is empty, without its display unit.
 pub fn write_unit(xml: &mut Xml, unit: Unit, [outer, base, display]: [&str; 3]) -> io::Result<()> {
     let exponents: Attributes = unit
         .base()
@@ -77,10 +77,10 @@ pub fn write_unit(xml: &mut Xml, unit: Unit, [outer, base, display]: [&str; 3]) 
     })
 }
 
-/// Check that no text holds a control character (XML 1.0, production 2, and the standard's one-line texts).
+/// Check that no text contains a control character (XML 1.0, production 2, and the one-line texts of the standard).
 ///
 /// # Errors
-/// The first character that XML cannot hold, with the name of its quantity.
+/// The first character that XML cannot represent, with the name of its quantity.
 pub fn check_texts(name: &str, description: &str, variables: &[Variable]) -> Result<()> {
     let header = [("name", name), ("description", description)];
     let variables = variables.iter().flat_map(|variable| {
@@ -101,7 +101,8 @@ pub fn check_texts(name: &str, description: &str, variables: &[Variable]) -> Res
     Ok(())
 }
 
-/// Whether a name is a C identifier: the modelIdentifier names the library and prefixes C functions (FMI 2.0.5, 2.2.1).
+/// Whether a name is a C identifier: the modelIdentifier is the name of the library and the prefix of C functions (FMI
+/// 2.0.5, 2.2.1).
 pub fn is_c_identifier(name: &str) -> bool {
     !name.starts_with(|c: char| c.is_ascii_digit())
         && !name.is_empty()

@@ -1,7 +1,7 @@
-//! The reader of `modelDescription.xml`: what an FMU offers to a host.
+//! The reader of `modelDescription.xml`.
 //!
 //! In: the text of the file, of FMI 2.0 or 3.0 and of any program. Out: the model, its default experiment, its
-//! variables. Elements and attributes that say nothing about these are passed over.
+//! variables. Other elements and attributes are skipped.
 
 use anyhow::{Context, Result, bail};
 use quick_xml::events::{BytesStart, Event};
@@ -9,10 +9,10 @@ use quick_xml::{Reader, XmlVersion};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Elements that say what kind of simulation an FMU is for.
+/// Elements for the kinds of simulation of an FMU.
 const INTERFACES: [&str; 3] = ["CoSimulation", "ModelExchange", "ScheduledExecution"];
 
-/// What an FMU offers to a host.
+/// The interface of an FMU.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Description {
     /// Version of FMI.
@@ -33,7 +33,7 @@ pub struct Description {
     pub variables: Vec<Described>,
 }
 
-/// Default experiment, as it is written.
+/// Default experiment as it is written.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Experiment {
     /// Start time [s].
@@ -46,14 +46,14 @@ pub struct Experiment {
     pub tolerance: Option<f64>,
 }
 
-/// A variable, as it is written; empty where nothing is.
+/// A variable as it is written. Missing parts are empty.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Described {
     /// Name.
     pub name: String,
     /// Value reference.
     pub reference: String,
-    /// Type, such as Real, of an array with its dimensions, such as Float64[2].
+    /// Type, such as Real. An array has its dimensions, such as Float64[2].
     pub kind: String,
     /// Causality.
     pub causality: String,
@@ -70,7 +70,7 @@ pub struct Described {
     pub description: String,
 }
 
-/// Elements around the deepest one that says something of a variable.
+/// Largest number of parent elements of an element about a variable.
 const DEEPEST: usize = 3;
 
 /// Attributes of an element by name.
@@ -79,7 +79,7 @@ pub(super) struct Attributes(pub(super) BTreeMap<String, String>);
 impl Attributes {
     pub(super) fn of(element: &BytesStart) -> Result<Self> {
         let mut all = BTreeMap::new();
-        // The reader's own check of doubles compares all pairs.
+        // The reader's own check for duplicates compares all pairs.
         for attribute in element.attributes().with_checks(false) {
             let attribute = attribute?;
             let value = attribute.normalized_value(XmlVersion::Implicit1_0)?.into_owned();
@@ -110,7 +110,7 @@ impl Description {
     pub fn parse(xml: &str) -> Result<Self> {
         let mut reader = Reader::from_str(xml.trim_start_matches('\u{feff}'));
         let mut out = Self::default();
-        // Elements that are open.
+        // Open elements.
         let mut open: Vec<String> = Vec::new();
         loop {
             let event = reader.read_event();
@@ -134,7 +134,7 @@ impl Description {
         Ok(out)
     }
 
-    /// Take what an element says that stands in these.
+    /// Read the data of an element with these parents.
     fn take(&mut self, open: &[String], element: &BytesStart) -> Result<()> {
         if open.len() > DEEPEST {
             return Ok(());
@@ -168,7 +168,7 @@ impl Description {
                 causality: attributes.take("causality"),
                 variability: attributes.take("variability"),
                 description: attributes.take("description"),
-                // In FMI 2.0 the type is an element of its own, with unit and start value.
+                // In FMI 2.0 the type is a separate element with unit and start value.
                 kind: if name == "ScalarVariable" { String::new() } else { name },
                 unit: attributes.take("unit"),
                 start: attributes.0.remove("start"),
@@ -220,15 +220,15 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_description_is_refused() {
+    fn a_text_that_is_no_description_is_rejected() {
         for text in ["", "{}", "<html/>", "<fmiModelDescription fmiVersion=\"2.0\"", "<a></b>", "<a b='1' b='2'/>"] {
             assert!(Description::parse(text).is_err(), "{text}");
         }
     }
 
-    /// 2 MB of elements in each other, and of attributes side by side.
+    /// 2 MB of nested elements, and of attributes of one element.
     #[test]
-    fn reading_takes_time_in_proportion_to_the_text() {
+    fn the_time_of_reading_is_proportional_to_the_length_of_the_text() {
         let nested = "<a>".repeat(300_000) + &"</a>".repeat(300_000);
         let many: String = (0..200_000).map(|k| format!(" a{k}='1'")).collect();
         let text = format!("<fmiModelDescription fmiVersion=\"2.0\"><b{many}/>{nested}</fmiModelDescription>");

@@ -1,7 +1,7 @@
 //! The writer of `modelDescription.xml` (FMI 2.0.5, 2.2).
 //!
-//! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface:
-//! it holds no time stamp. It must not know kinds of model.
+//! In: the table of variables and the default experiment. Out: the text of the file. It depends only on the interface
+//! and contains no time stamp. The module must not know kinds of model.
 
 use super::common::{Attributes, Xml, check_texts, document, element, empty, group, number};
 use super::interface::{Interface, type_name, variable_attributes};
@@ -15,8 +15,8 @@ use std::io;
 /// The text of `modelDescription.xml`.
 ///
 /// # Errors
-/// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
-/// may not change a little.
+/// The name is no C identifier, a text contains a character that XML cannot represent, the tolerance is missing, or a
+/// parameter cannot change.
 pub fn to_xml(component: &Component, naming: Naming) -> Result<String> {
     write(&Interface::of(component, naming)?)
 }
@@ -96,8 +96,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, va
     element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &of_kind))
 }
 
-/// Attributes of the element that tells the kind of a variable of this usual size: quantity, unit, start value and the
-/// like.
+/// Attributes of the type element of a variable with this nominal value: quantity, unit, start value and others.
 pub fn kind_attributes(variable: &Variable, nominal: Option<f64>) -> Attributes<'static> {
     let quantity = variable.unit.and_then(quantity).map(|quantity| ("quantity", quantity.to_owned()));
     let unit = variable.unit.map(|unit| ("unit", unit.name().to_owned()));
@@ -151,7 +150,7 @@ mod tests {
     fn xml_of(variables: &[Variable]) -> Result<String> {
         let (name, description, guid) = ("Gear", "A gear", "{1}");
         let (experiment, tolerance) = (Experiment { stop_time: 0.133, step_size: 1e-3 }, 1e-9);
-        // As if every output began with what the variables before it do.
+        // The initial value of each variable depends on all previous variables.
         let of = |i: usize| (0..i as Reference).collect();
         let initial_dependencies = Some((0..variables.len()).map(of).collect());
         let orders = [2, 1];
@@ -204,7 +203,7 @@ mod tests {
     }
 
     #[test]
-    fn dependencies_count_from_one_and_an_empty_list_stands() {
+    fn dependencies_count_from_one_and_an_empty_list_is_written() {
         let mut first = variable("y", Causality::Output, None);
         first.dependencies = vec![1];
         let xml = xml_of(&[
@@ -225,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_are_refused() {
+    fn control_characters_are_rejected() {
         let mut bad = variable("y", Causality::Output, None);
         bad.description = "two\nlines".to_owned();
         let message = xml_of(&[bad]).unwrap_err().to_string();

@@ -1,8 +1,8 @@
 //! The writer of `modelDescription.xml` of FMI 3.0 (FMI 3.0.2, 2.4).
 //!
-//! In: the table of variables and the default experiment. Out: the text of the file, the same for the same interface.
-//! Value references are those of FMI 2.0; the time and the vectors, which FMI 3.0 has as variables, come after all
-//! others. It must not know kinds of model.
+//! In: the table of variables and the default experiment. Out: the text of the file. It depends only on the interface.
+//! Value references are those of FMI 2.0. The time and the vectors, which FMI 3.0 has as variables, follow all other
+//! variables. The module must not know kinds of model.
 
 use super::common::{Attributes, Xml, check_texts, document, element, empty, group};
 use super::fmi2::kind_attributes;
@@ -16,8 +16,8 @@ use std::io;
 /// The text of `modelDescription.xml`.
 ///
 /// # Errors
-/// The name is not a C identifier, a text holds a character that XML cannot, the tolerance is missing, or a parameter
-/// may not change a little.
+/// The name is no C identifier, a text contains a character that XML cannot represent, the tolerance is missing, or a
+/// parameter cannot change.
 pub fn to_xml(component: &Component, naming: Naming) -> Result<String> {
     let interface = Interface::of(component, naming)?;
     check_texts(interface.name, interface.description, interface.variables)?;
@@ -105,7 +105,7 @@ fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, va
     empty(xml, kind, &attributes)
 }
 
-/// A vector: its first element under another name and reference, with a dimension.
+/// A vector: its first element with another name and reference, and a dimension.
 fn write_vector(xml: &mut Xml, interface: &Interface, reference: Reference, vector: &Vector) -> io::Result<()> {
     let first = &interface.variables[vector.elements[0] as usize];
     let (name, description) = (vector.name.clone(), vector.description.clone());

@@ -1,7 +1,7 @@
-//! What the descriptions of all versions of FMI say about a model.
+//! The parts of a model's description that all versions of FMI share.
 //!
-//! In: the component. Out: its names, variables and default experiment, and the elements that are alike in all
-//! versions. It must not know kinds of model.
+//! In: the component. Out: its names, variables and default experiment, and the elements that are equal in all
+//! versions. The module must not know kinds of model.
 
 use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, number, write_units};
 use super::sizes::Sizes;
@@ -17,27 +17,27 @@ use std::io;
 
 /// Version of this repository, for `version` and `generationTool`.
 const VERSION: &str = env!("CARGO_PKG_VERSION");
-/// Parameter whose start value is the default experiment's tolerance.
+/// Parameter whose start value is the tolerance of the default experiment.
 const TOLERANCE: &str = "solver.tolerance";
 
-/// All that the description says about one model.
+/// All data of the description of one model.
 pub struct Interface<'a> {
     /// Name of the model, a C identifier.
     pub name: &'a str,
-    /// One line about it.
+    /// Description of the model in one line.
     pub description: &'a str,
-    /// Attributes that tell author, copyright and licence.
+    /// Attributes for author, copyright and licence.
     pub about: Attributes<'static>,
-    /// Whether the names are said to be structured.
+    /// Naming convention of the variables.
     pub naming: Naming,
     /// Its outputs along x and y as vectors.
     pub vectors: Vec<Vector>,
-    /// What tells its interface from others.
+    /// Identifier of the interface.
     pub guid: &'a str,
     /// Its variables; the index of each is its value reference.
     pub variables: &'a [Variable],
-    /// Of each variable; none where the model is too large to find them. The attribute is then left out, which says
-    /// that each output depends on all that is known (FMI 2.0.5, 2.2.8).
+    /// For each variable. None if the model is too large to compute them. Without the attribute each output depends on
+    /// all knowns (FMI 2.0.5, 2.2.8).
     pub initial_dependencies: Option<Vec<Vec<Reference>>>,
     /// Default experiment.
     pub experiment: Experiment,
@@ -45,15 +45,15 @@ pub struct Interface<'a> {
     pub tolerance: f64,
     /// Largest orders of the derivatives in time of inputs and outputs.
     pub orders: [i32; 2],
-    /// Whether a step may come to an event.
+    /// Whether a step may reach an event.
     pub has_events: bool,
-    /// Whether a step tells its internal steps.
+    /// Whether a step reports its internal steps.
     pub has_internal_steps: bool,
-    /// What a host's solver integrates; none if the model is for co-simulation only.
+    /// Data for the solver of a host. None if the model is for co-simulation only.
     pub continuous_time: Option<ContinuousTime>,
-    /// Scales of its states.
+    /// Nominal values of the states.
     pub state_nominals: Option<[f64; MOST_STATES]>,
-    /// Usual sizes of what is connected.
+    /// Nominal values of inputs and outputs.
     pub sizes: Sizes,
 }
 
@@ -61,7 +61,7 @@ impl<'a> Interface<'a> {
     /// The interface of a model as read from its file.
     ///
     /// # Errors
-    /// The name is not a C identifier, the tolerance is missing, or a parameter may not change a little.
+    /// The name is no C identifier, the tolerance is missing, or a parameter cannot change.
     pub fn of(component: &'a Component, naming: Naming) -> Result<Self> {
         let (name, interface) = (component.name(), component.interface());
         if !is_c_identifier(name) {
@@ -98,7 +98,7 @@ impl<'a> Interface<'a> {
         (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::Output)
     }
 
-    /// The parameters that follow from others, with their value references.
+    /// The calculated parameters, with their value references.
     pub fn calculated(&self) -> impl Iterator<Item = (Reference, &'a Variable)> {
         (0..).zip(self.variables).filter(|(_, variable)| variable.causality == Causality::CalculatedParameter)
     }
@@ -110,7 +110,7 @@ impl<'a> Interface<'a> {
         self.continuous_time.as_ref().map(pairs).unwrap_or_default().into_iter()
     }
 
-    /// The continuous states and their derivatives that are no outputs, each once.
+    /// The continuous states and their derivatives that are not outputs, without duplicates.
     pub fn initial_states(&self) -> Vec<Reference> {
         let mut all: Vec<Reference> = self.states().flat_map(|(state, derivative)| [state, derivative]).collect();
         all.dedup();
@@ -118,7 +118,7 @@ impl<'a> Interface<'a> {
         all
     }
 
-    /// Usual size of a variable: of a continuous state what the model tells its host.
+    /// Nominal value of a variable. For a continuous state this is the value that the model returns to its host.
     pub fn nominal(&self, reference: Reference, variable: &Variable) -> Option<f64> {
         let state = self.states().position(|(state, _)| state == reference);
         let of_state = state.and_then(|index| Some(self.state_nominals?[index]));
@@ -130,8 +130,8 @@ impl<'a> Interface<'a> {
         self.continuous_time.as_ref().map_or(&[], |all| &all.indicators)
     }
 
-    /// What the present value of a variable depends on: inputs, and the continuous states unless it changes at events
-    /// only.
+    /// Dependencies of the present value of a variable: inputs, and the continuous states unless the variable changes
+    /// only at events.
     pub fn dependencies_of(&self, reference: Reference) -> Cow<'_, [Reference]> {
         let variable = &self.variables[reference as usize];
         let inputs: &[Reference] = &variable.dependencies;
@@ -140,8 +140,8 @@ impl<'a> Interface<'a> {
         if stays || states.is_empty() { Cow::Borrowed(inputs) } else { Cow::Owned([inputs, states].concat()) }
     }
 
-    /// Attributes of the element that tells the type of a variable: whose derivative it is, by a reference that counts
-    /// from `first`, and what a state of model exchange has.
+    /// Attributes of the type element of a variable for model exchange: the variable of which it is the derivative, by
+    /// a reference that counts from `first`, and the attributes of a state.
     pub fn state_attributes(&self, reference: Reference, first: Reference) -> Attributes<'static> {
         let mut attributes = Vec::new();
         let of = self.variables[reference as usize].details.derivative_of;
@@ -155,17 +155,17 @@ impl<'a> Interface<'a> {
         attributes
     }
 
-    /// What the initial value of an output depends on, if that is known.
+    /// Dependencies of the initial value of an output, if they are known.
     pub fn initial_dependencies_of(&self, reference: Reference) -> Option<&[Reference]> {
         self.initial_dependencies.as_ref().map(|all| &*all[reference as usize])
     }
 
-    /// The vectors, each with its value reference: after that of the time, which comes after the variables.
+    /// The vectors with their value references. These follow the reference of the time, which follows the variables.
     pub fn numbered_vectors(&self) -> impl Iterator<Item = (Reference, &Vector)> {
         (self.variables.len() as Reference + 1..).zip(&self.vectors)
     }
 
-    /// What one of the elements of a vector depends on, or its initial value, if that is known.
+    /// Dependencies of a vector, the union over its elements, or those of its initial value, if they are known.
     pub fn dependencies_of_vector(&self, vector: &Vector, is_initial: bool) -> Option<Vec<Reference>> {
         let of = |element: Reference| match is_initial {
             true => self.initial_dependencies_of(element).map(Cow::Borrowed),
@@ -175,7 +175,7 @@ impl<'a> Interface<'a> {
         Some(first?.iter().chain(&*second?).copied().collect::<BTreeSet<_>>().into_iter().collect())
     }
 
-    /// Attributes of the root element that all versions have, `token` by this name.
+    /// Attributes of the root element that all versions have. `token` is the name of the attribute with the GUID.
     pub fn header(&self, version: &str, token: &'static str) -> Attributes<'static> {
         let mut attributes = vec![
             ("fmiVersion", version.to_owned()),
@@ -190,9 +190,9 @@ impl<'a> Interface<'a> {
         attributes
     }
 
-    /// The elements between those of the interface type and the variables, alike in all versions: units, types, log
-    /// categories, default experiment. A type of the items of an Enumeration is an element of the first name, with one
-    /// of the second name in it, unless that is empty.
+    /// The common elements of all versions between interface type and variables: units, types, log categories, default
+    /// experiment. The type of an Enumeration is an element with the first name, which contains an element with the
+    /// second name, unless that is empty.
     pub fn write_common(&self, xml: &mut Xml, [outer, inner]: [&str; 2]) -> io::Result<()> {
         write_units(xml, self.variables)?;
         let mut enumerations = self.variables.iter().filter(|variable| !variable.details.items.is_empty()).peekable();
@@ -223,12 +223,12 @@ impl<'a> Interface<'a> {
     }
 }
 
-/// Name of the type of an Enumeration; it must be that of no variable.
+/// Name of the type of an Enumeration. It must differ from the names of all variables.
 pub fn type_name(variable: &Variable) -> String {
     [&variable.name, ".item"].concat()
 }
 
-/// The items of an Enumeration with their numbers, in elements of this name.
+/// The items of an Enumeration with their numbers, in elements with this name.
 pub fn write_items(xml: &mut Xml, tag: &str, variable: &Variable) -> io::Result<()> {
     (1..).zip(variable.details.items).try_for_each(|(number, name): (usize, _)| {
         empty(xml, tag, &[("name", (*name).to_owned()), ("value", number.to_string())])
@@ -242,7 +242,7 @@ pub fn variable_attributes(reference: Reference, variable: &Variable) -> Attribu
         ("valueReference", reference.to_string()),
         ("description", variable.description.clone()),
     ];
-    // FMI 2.0.5, 2.2.7: an input carries no `initial`, and only what is exact has a start value here.
+    // FMI 2.0.5, 2.2.7: an input has no `initial`, and only variables with an exact value have a start value here.
     let (causality, initial) = match variable.causality {
         Causality::Parameter => ("parameter", Some("exact")),
         Causality::CalculatedParameter => ("calculatedParameter", Some("calculated")),

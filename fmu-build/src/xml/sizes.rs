@@ -1,16 +1,16 @@
-//! What a variable measures and how large it usually is: `quantity` and `nominal`.
+//! Quantity and nominal value of a variable: `quantity` and `nominal`.
 //!
 //! In: the variables with their start values, the duration of the default experiment. Out: a word for each unit, and a
-//! size for each input and output. It must not know kinds of model.
+//! nominal value for each input and output. The module must not know kinds of model.
 //!
-//! The law, in docs/reference/fmi.md too: five sizes are taken from the definition, each the largest of its kind.
+//! The rule, also in docs/reference/fmi.md: five sizes follow from the definition, each the largest of its kind.
 //!     length L    parameters and inputs in m
 //!     time T      the duration of the default experiment
 //!     mass M      sum of the masses
 //!     force F     inputs in N; inputs in N.m over L; weight M g; inertia M L / T^2; work of the oil p Q T / L
 //!     flow Q      parameters in m3/s; pressure p: parameters and inputs of this name
-//! A unit kg^a m^b s^c then has the size F^a L^(b-a) T^(c+2a), without a time M^a L^b. What the definition does not
-//! give is 1 in the unit of the kind.
+//! A unit kg^a m^b s^c then has the size F^a L^(b-a) T^(c+2a), or M^a L^b without a time. A size that does not follow
+//! from the definition is 1 in the unit of its kind.
 
 use linkage_fmu::variables::{Causality, Kind, Unit, Value, Variability, Variable};
 
@@ -62,7 +62,7 @@ impl Sizes {
         Self { length, time, mass, force, flow, stresses }
     }
 
-    /// Usual size of an input or an output that changes with time, one digit of it; none of any other variable.
+    /// Nominal value of an input or output that changes in time, with one digit. None for any other variable.
     pub fn nominal(&self, variable: &Variable) -> Option<f64> {
         let connected = matches!(variable.causality, Causality::Input | Causality::Output);
         if !connected || variable.kind != Kind::Real || variable.variability != Variability::Continuous {
@@ -85,12 +85,12 @@ impl Sizes {
     }
 }
 
-/// The same number with one digit, which prints short: 0.0432 gives 0.04.
+/// The number rounded to one digit, which has a short text: 0.0432 becomes 0.04.
 fn one_digit(size: f64) -> f64 {
     format!("{size:.0e}").parse().unwrap_or(size)
 }
 
-/// What a unit measures, as Modelica's library has it; none where no word is usual.
+/// The quantity of a unit, named as in Modelica's library. None if there is no usual name.
 pub fn quantity(unit: Unit) -> Option<&'static str> {
     Some(match unit {
         Unit::Radian => "Angle",
@@ -143,7 +143,8 @@ mod tests {
         (Sizes::new(component.interface().list(), component.experiment().stop_time), component)
     }
 
-    /// The gear: 0.759 m, 0.15 s, masses of 74.56 kg, an actuator of 30 kN, which is more than weight and inertia.
+    /// The gear: 0.759 m, 0.15 s, masses of 74.56 kg, an actuator of 30 kN, whose force is larger than weight and
+    /// inertia.
     #[test]
     fn sizes_of_the_gear_are_those_of_its_definition() {
         let (sizes, gear) = sizes("LandingGearRetraction", "mechanism.json");
@@ -187,7 +188,7 @@ mod tests {
         }
     }
 
-    /// Every input and output of every model that changes with time has a size, and it is none that a host cannot use.
+    /// Every input and output of every model that changes in time has a nominal value that a host can use.
     #[test]
     fn every_continuous_input_and_output_has_a_size() {
         for folder in Workspace::locate().description_folders().unwrap() {

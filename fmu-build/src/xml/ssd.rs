@@ -1,6 +1,6 @@
-//! `SystemStructure.ssd` of SSP 1.0: FMUs, their connections, values of parameters, units, places in a diagram.
+//! `SystemStructure.ssd` of SSP 1.0: FMUs, their connections, values of parameters, units, positions in a diagram.
 //!
-//! In: variables, connections and values that fit together. Out: the text of the file. It must not know what the FMUs
+//! In: consistent variables, connections and values. Out: the text of the file. The module must not know what the FMUs
 //! model.
 use super::common::{Xml, document, element, empty, group, number, write_unit};
 use super::interface::{type_name, write_items};
@@ -11,7 +11,7 @@ use std::io;
 
 /// Name of the file in the package.
 pub const PATH: &str = "SystemStructure.ssd";
-/// Name of the set of values of each FMU. One name for all: ECOS takes the values of one name from all of them.
+/// Name of the parameter set of each FMU. ECOS needs one name: it reads the values with one name from all sets.
 const VALUES: &str = "initialValues";
 
 /// One FMU of a system.
@@ -23,19 +23,20 @@ pub struct Part<'a> {
     pub file: &'a str,
     /// Variables of the FMU.
     pub variables: &'a [Variable],
-    /// Variables that are connected, shown or given a value.
+    /// Connected, shown or set variables.
     pub connectors: Vec<&'a Variable>,
-    /// Places of the connectors, as parts of width and height from the lower left corner of the FMU.
+    /// Positions of the connectors, relative to width and height from the lower left corner of the FMU.
     pub places: Vec<[f64; 2]>,
-    /// Values other than the FMU's own, of parameters and inputs, in the units of the variables.
+    /// Values of parameters and inputs that differ from those of the FMU, in the units of the variables.
     pub values: &'a [(Reference, Value)],
     /// Lower left and upper right corner in the diagram.
     pub area: [f64; 4],
 }
 
-/// A system: name, FMUs, connections from an output of one to an input of another, diagram, stop time [s].
+/// A system: name, FMUs, connections from an output of one FMU to an input of another FMU, diagram, stop time [s].
 ///
-/// The system has no connectors of its own: libcosim and ECOS reject a connection that starts or ends at the system.
+/// The system itself has no connectors, because libcosim and ECOS reject a connection that starts or ends at the
+/// system.
 #[derive(Clone, Debug)]
 pub struct System<'a> {
     /// Name.
@@ -129,7 +130,7 @@ impl Part<'_> {
                 group(xml, "ssv:Parameters", |xml| {
                     values().try_for_each(|(variable, value)| write_value(xml, variable, value))
                 })?;
-                // A set is read by itself, and so has the units that it names (SSP 1.0.1, 6).
+                // A parameter set is read separately, so it contains the units that it uses (SSP 1.0.1, 6).
                 write_units(xml, "ssv:Units", values().map(|(variable, _)| variable))
             };
             group(xml, "ssd:ParameterBindings", |xml| {
@@ -141,7 +142,7 @@ impl Part<'_> {
     }
 }
 
-/// The types of these Enumerations, each once; no element without one.
+/// The types of these Enumerations, without duplicates. No element if there is none.
 fn write_enumerations<'a>(xml: &mut Xml, variables: impl Iterator<Item = &'a Variable>) -> io::Result<()> {
     let types: BTreeMap<String, &Variable> = variables
         .filter(|variable| variable.kind == Kind::Enumeration)
@@ -157,7 +158,7 @@ fn write_enumerations<'a>(xml: &mut Xml, variables: impl Iterator<Item = &'a Var
     })
 }
 
-/// The units of these variables, each once; no element without one.
+/// The units of these variables, without duplicates. No element if there is none.
 fn write_units<'a>(xml: &mut Xml, name: &str, variables: impl Iterator<Item = &'a Variable>) -> io::Result<()> {
     let units: BTreeSet<Unit> = variables.filter_map(|variable| variable.unit).collect();
     if units.is_empty() {

@@ -1,8 +1,8 @@
 //! The reader of parameter sets of SSP 1.0 (SSV files): values of parameters and inputs with their units.
 //!
 //! In: the text of the file, of any program; the variables of a model. Out: values in the units of the variables. A
-//! unit of the file is a factor, an offset and exponents of base units: SI value = factor * value + offset (SSP 1.0.1,
-//! section 4.6.4). It must not know what the variables mean.
+//! unit of the file has a factor, an offset and exponents of base units: SI value = factor * value + offset (SSP 1.0.1,
+//! section 4.6.4). The module must not know what the variables mean.
 
 use super::description::Attributes;
 use crate::{files, start_values};
@@ -18,10 +18,10 @@ const LARGEST: u64 = 16 << 20;
 /// Base units of SSP, in the order of the exponents of a unit.
 const BASE: [&str; 8] = ["kg", "m", "s", "rad", "A", "K", "mol", "cd"];
 
-/// A value as the file states it.
+/// A value as it is in the file.
 #[derive(Clone, Debug, PartialEq)]
 enum Stated {
-    /// A number, and the name of its unit; empty where there is none.
+    /// A number with the name of its unit. The name is empty if there is none.
     Real(f64, String),
     Integer(i64),
     Boolean(bool),
@@ -37,18 +37,18 @@ struct Measure {
     offset: f64,
 }
 
-/// What a file states.
+/// Contents of a file.
 #[derive(Debug, Default)]
 struct ParameterSet {
     parameters: Vec<(String, Option<Stated>)>,
     units: Vec<(String, Option<Measure>)>,
 }
 
-/// The values that a parameter set has for a model with these variables, in the order of the variables.
+/// The values of a parameter set for a model with these variables, in the order of the variables.
 ///
 /// # Errors
-/// The file cannot be read, or is no parameter set; a name that no parameter and no input has, or that occurs twice; a
-/// value of another type than the variable, or in a unit of another quantity.
+/// The file cannot be read, or is no parameter set; a name is no parameter and no input, or is duplicate; a value has
+/// another type than the variable, or the unit of another quantity.
 pub fn read(path: &Path, interface: &Interface) -> Result<Vec<(Reference, Value)>> {
     let bytes = files::read(path, LARGEST)?;
     let shown = path.display();
@@ -61,7 +61,7 @@ impl ParameterSet {
     fn parse(xml: &str) -> Result<Self> {
         let mut reader = Reader::from_str(xml.trim_start_matches('\u{feff}'));
         let mut set = Self::default();
-        // Elements that are open, without the prefixes of their namespaces.
+        // Open elements, without the prefixes of their namespaces.
         let mut open: Vec<String> = Vec::new();
         let mut is_set = false;
         loop {
@@ -93,7 +93,7 @@ impl ParameterSet {
         Ok(set)
     }
 
-    /// Take what an element says that stands in these.
+    /// Read the data of an element with these parents.
     fn take(&mut self, open: &[String], tag: &str, element: &BytesStart) -> Result<()> {
         let path: Vec<&str> = open.iter().skip(1).map(String::as_str).collect();
         let attributes = || Attributes::of(element).with_context(|| format!("element {tag}"));
@@ -159,7 +159,7 @@ impl ParameterSet {
         })
     }
 
-    /// A number of a unit in the SI unit of its variable.
+    /// A number with a unit, converted to the SI unit of its variable.
     fn in_si(&self, variable: &Variable, value: f64, unit: &str) -> Result<f64> {
         let name = &variable.name;
         let own = variable.unit.unwrap_or_default();
@@ -175,7 +175,7 @@ impl ParameterSet {
                 own.name(),
                 in_words(exponents(own))
             ),
-            // Programs leave out the definitions of units that everybody knows.
+            // Programs omit the definitions of common units.
             _ => start_values::number(variable, &format!("{value:?} {unit}"))
                 .context("the element Units of the parameter set does not define the unit")?,
         };
@@ -198,7 +198,7 @@ impl Stated {
     }
 }
 
-/// The value that an element of this name states.
+/// The value in an element with this name.
 fn stated(tag: &str, mut attributes: Attributes) -> Result<Stated> {
     if !attributes.0.contains_key("value") {
         bail!("the element {tag} has no attribute value");
@@ -265,7 +265,7 @@ mod tests {
         <c:Unit name="in"><c:BaseUnit m="1" factor="0.0254"/></c:Unit>
         <c:Unit name="shifted"><c:BaseUnit m="1" factor="0.5" offset="0.25"/></c:Unit>"#;
 
-    /// The values of a set with these parameters.
+    /// The values of a parameter set with these parameters.
     fn values(parameters: &str) -> Result<BTreeMap<String, Value>> {
         let text = format!(
             "\u{feff}<?xml version=\"1.0\"?><v:ParameterSet version=\"1.0\" name=\"a\" \
@@ -289,7 +289,7 @@ mod tests {
             ("crank.start_angle", r#"Real value="50" unit="grad""#, Value::Real(std::f64::consts::FRAC_PI_4)),
             ("crank.length", r#"Real value="10" unit="in""#, Value::Real(0.254)),
             ("crank.length", r#"Real value="2" unit="shifted""#, Value::Real(1.25)),
-            // The file does not define these.
+            // The file does not define these units.
             ("crank.start_angle", r#"Real value="180" unit="deg""#, Value::Real(std::f64::consts::PI)),
             ("crank.length", r#"Real value="1250" unit="mm""#, Value::Real(1.25)),
             ("crank.mass", r#"Real value="1.5e0""#, Value::Real(1.5)),
@@ -309,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_named_with_its_remedy() {
+    fn unsuitable_values_are_errors_with_a_remedy() {
         for (parameters, said) in [
             (parameter("crank.lenght", "Real value=\"1\""), "the most similar names are crank.length"),
             (

@@ -1,7 +1,7 @@
-//! The writer of `terminalsAndIcons.xml`: where the icon stands, and which variables belong together as one connection.
+//! The writer of `terminalsAndIcons.xml`: position of the icon, and variables that form one connection.
 //!
-//! In: the component. Out: the text of the file. FMI 2.0.5, 2.3, takes the file over from FMI 3.0, 2.4.9, with that
-//! version in it.
+//! In: the component. Out: the text of the file. FMI 2.0.5, 2.3, uses the file of FMI 3.0, 2.4.9, with the version of
+//! FMI 3.0.
 
 use super::common::{document, element, empty, group};
 use anyhow::Result;
@@ -11,13 +11,13 @@ use linkage_fmu::variables::Terminal;
 /// Path of the file in an FMU.
 pub const PATH: &str = "terminalsAndIcons/terminalsAndIcons.xml";
 
-/// Beginning of the kind of a terminal, of which two fit if the drive's place is the same quantity in both. Kinds of a
-/// tool of its own begin with an underline and the tool's name (FMI 3.0.2, 2.4.9.2.1).
+/// Prefix of the kind of a terminal. Two terminals fit if the position of the drive is the same quantity in both. Kinds
+/// of a tool start with an underline and the name of the tool (FMI 3.0.2, 2.4.9.2.1).
 const KIND: &str = "_linkage_fmu_drive_";
 
-/// Half the side of the icon in the coordinates of a diagram, which count from its middle.
+/// Half the side of the icon in the coordinates of a diagram, whose origin is the middle.
 const HALF: &str = "100";
-/// Size in which a tool shows a unit of these coordinates [mm], as in Modelica's diagrams.
+/// Size of a unit of these coordinates on the screen [mm], as in Modelica's diagrams.
 const MILLIMETRES: &str = "0.1";
 
 /// The text of the file.
@@ -41,7 +41,7 @@ pub fn to_xml(component: &Component) -> Result<String> {
         }
         group(xml, "Terminals", |xml| {
             terminals.into_iter().try_for_each(|Terminal { name, kind, description, members }| {
-                // With `bus`, members that the other terminal lacks may stay open: a plain force moves the drive too.
+                // With `bus`, members without a counterpart may stay open: a plain force can move the drive too.
                 let attributes = [
                     ("name", name),
                     ("matchingRule", "bus".to_owned()),
@@ -51,7 +51,8 @@ pub fn to_xml(component: &Component) -> Result<String> {
                 element(xml, "Terminal", &attributes, |xml| {
                     members.into_iter().try_for_each(|member| {
                         let variable = interface.get(member.variable).map_or("", |variable| &variable.name);
-                        // A force between two points is one number for both sides, none that adds up to zero.
+                        // A force between two points is one number for both sides. It is no flow variable whose sum is
+                        // zero.
                         let attributes = [
                             ("variableName", variable.to_owned()),
                             ("memberName", member.name),
@@ -107,7 +108,8 @@ mod tests {
         }
     }
 
-    /// Members of the same names are an output and an input of one unit; all of the actuator's have a counterpart.
+    /// Members with equal names are an output and an input with one unit. All members of the actuator have a
+    /// counterpart.
     #[test]
     fn a_hydraulic_actuator_can_be_plugged_on_the_drive_that_it_moves() {
         let terminal = |name: &str, file: &str| {

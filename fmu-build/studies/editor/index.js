@@ -1,4 +1,4 @@
-// What the live page uses of CodeMirror.
+// Parts of CodeMirror that the live page uses.
 export { Annotation, Compartment, EditorSelection, EditorState, Transaction } from "@codemirror/state";
 export { EditorView, drawSelection, highlightActiveLine, highlightSpecialChars, hoverTooltip, keymap, lineNumbers } from "@codemirror/view";
 export { defaultKeymap, history, historyKeymap, isolateHistory, redo, redoDepth, undo, undoDepth } from "@codemirror/commands";

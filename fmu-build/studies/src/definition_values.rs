@@ -1,8 +1,8 @@
-//! Values of variables written into the text of a definition.
+//! Writes values of variables into the text of a definition.
 //!
-//! In: a definition, values of parameters and inputs by name. Out: the same text with other numbers, all else as it
-//! stood. Which number is a variable's start value is found by trial: the model that is made of the new text has the
-//! value, and all others as before.
+//! In: a definition, values of parameters and inputs by name. Out: the text with other numbers, otherwise unchanged.
+//! The number for a start value is found by trial: a model of the new text has the value, and all other values are
+//! unchanged.
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
@@ -10,13 +10,13 @@ use linkage_fmu::format::{Json, Node, parse};
 use linkage_fmu::variables::{Causality, Kind, Reference};
 use std::ops::Range;
 
-/// Relative difference below which two numbers are one but for the rounding of a unit.
+/// Relative difference below which two numbers are equal except for the rounding of a unit.
 const CLOSE: f64 = 1e-12;
 
 /// The text with these start values.
 ///
 /// # Errors
-/// The text is no definition; a variable is unknown, or no number of the text alone decides its value.
+/// The text is no definition; a variable is unknown, or no single number of the text determines its value.
 pub fn with_values(kind: &str, text: &str, values: &[(&str, f64)]) -> Result<String> {
     let mut text = text.to_owned();
     for (name, value) in values {
@@ -35,7 +35,7 @@ fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> 
     }
     let mut numbers = Vec::new();
     collect(&parse("definition", text)?, &mut numbers);
-    // In a file with other units the number is another one than the value.
+    // In a file with other units the number differs from the value.
     let scale = |number: f64| if own == 0.0 || number == own { 1.0 } else { number / own };
     numbers.sort_by_key(|(_, number)| !is_close(*number, own));
     for (range, number) in numbers {
@@ -61,7 +61,7 @@ fn with_value(kind: &str, text: &str, name: &str, value: f64) -> Result<String> 
     )
 }
 
-/// Start values of all numbers that a host sets.
+/// Start values of all numbers that a host can set.
 fn starts(model: &mut Component) -> Result<Vec<(Reference, f64)>> {
     let settable = |(reference, variable): (Reference, &linkage_fmu::variables::Variable)| {
         let is_set = matches!(variable.causality, Causality::Parameter | Causality::Input);
@@ -75,7 +75,7 @@ fn is_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= CLOSE * a.abs().max(b.abs())
 }
 
-/// Numbers of a text, with the bytes where they stand.
+/// Numbers of a text, with their ranges of bytes.
 fn collect(node: &Node, numbers: &mut Vec<(Range<usize>, f64)>) {
     match &node.json {
         Json::Number(number) => numbers.push((node.span.clone(), *number)),
@@ -96,7 +96,7 @@ mod tests {
     fn only_the_numbers_of_the_variables_change() {
         let values = [("crank.actuator_y", -0.1525), ("joint3.pin_radius", 0.016), ("actuator.force", 25000.0)];
         let text = with_values("mechanism.json", GEAR, &values).unwrap();
-        // Of the three pins of 0.015 m the one of joint3 has changed.
+        // Of the three pins of 0.015 m only that of joint3 has changed.
         let expected = GEAR.replace("[-0.050, -0.138]", "[-0.050, -0.1525]");
         let expected = expected.replace("\"force\": 30000", "\"force\": 25000.0");
         let expected = expected.replace(
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn what_stands_nowhere_is_named() {
+    fn variables_without_a_number_in_the_definition_are_errors() {
         let error = with_values("mechanism.json", GEAR, &[("solver.max_steps", 7.0)]).unwrap_err().to_string();
         assert!(error.contains("no single number of the definition sets solver.max_steps alone"), "{error}");
     }

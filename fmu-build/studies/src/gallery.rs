@@ -1,6 +1,6 @@
-//! `cargo fmu demo --gallery`: the mechanisms of `docs/gallery` in motion.
+//! `cargo fmu demo --gallery`: films of the mechanisms of `docs/gallery`.
 //!
-//! In: the definitions there. Out: beside each, or in another folder, a GIF of its experiment.
+//! In: the definitions in this folder. Out: a GIF of the experiment next to each definition, or in another folder.
 
 use crate::simulate;
 use anyhow::{Context, Result};
@@ -9,10 +9,10 @@ use fmu_build::workspace::Workspace;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Draw all mechanisms of the gallery into this folder; by default into their own.
+/// Draw all mechanisms of the gallery into this folder. The default is the folder of the gallery.
 ///
 /// # Errors
-/// The folder cannot be listed or made, or a run fails.
+/// The folder cannot be listed or created, or a run fails.
 pub fn run(workspace: &Workspace, out: Option<&Path>) -> Result<()> {
     let gallery = workspace.gallery();
     let out = out.unwrap_or(&gallery);

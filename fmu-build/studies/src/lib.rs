@@ -1,9 +1,9 @@
-//! Runs and studies of mechanisms, and what they draw: tasks of `cargo fmu` whose crates take long to build. One file
+//! Runs and studies of mechanisms, and their pictures: tasks of `cargo fmu` whose crates need a long build. One file
 //! per task.
 //!
-//! In: the command line. Out: tables, pictures, films, definitions. It must not know how an FMU is packed.
+//! In: the command line. Out: tables, pictures, films, definitions. The crate must not know how an FMU is packed.
 
-// The packer's macros stand for those of std in all modules below.
+// The packer's macros replace those of std in all modules below.
 #[macro_use]
 extern crate fmu_build;
 

@@ -1,8 +1,8 @@
 //! `cargo fmu linearise`: small motions about rest along the travel of a mechanism.
 //!
 //! In: a definition or an FMU, names of a coordinate, inputs and outputs. Out: eigenfrequency, damping ratio and the
-//! matrices of x' = A x + B u, y = C x + D u at each position as CSV and plot; those at the start in words. It must not
-//! know how they are found.
+//! matrices of x' = A x + B u, y = C x + D u at each position as CSV and plot, and those at the start as text. The
+//! module must not know how they are computed.
 
 use crate::plot::{self, Series};
 use anyhow::{Context, Result, bail};
@@ -16,16 +16,16 @@ use linkage_fmu::component::{Component, Linearisation, Linearised};
 use linkage_fmu::variables::{Interface, Reference, Unit};
 use std::path::Path;
 
-/// What is linearised, with the names of the variables.
+/// A linearisation with the names of its variables.
 struct Named<'a> {
     what: Linearisation,
     interface: &'a Interface,
 }
 
-/// Linearise and write what was asked for.
+/// Linearise and write the requested files.
 ///
 /// # Errors
-/// The path leads to no mechanism; a name or a value that the model does not take; a file that cannot be written.
+/// The path contains no mechanism; a name or a value is invalid; a file cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     arguments.plot.as_deref().map_or(Ok(()), plot::check)?;
     arguments.output_file.as_deref().map_or(Ok(()), check_csv)?;
@@ -59,14 +59,14 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Whether friction holds the mechanism at a position, so that small loads and deviations give no acceleration there.
+/// Whether friction holds the mechanism at a position, so that small loads and deviations cause no acceleration.
 fn is_held_by_friction(at: &Linearised) -> bool {
     let slides = at.eigenvalues.iter().flatten().any(|part| *part != 0.0);
     let rows = at.a[1].iter().chain(at.b.iter().map(|column| &column[1]));
     slides && at.acceleration == 0.0 && rows.copied().all(|value| value == 0.0)
 }
 
-/// Whether a table can have this name.
+/// Check that the name is allowed for a table.
 fn check_csv(path: &Path) -> Result<()> {
     match path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase().as_str() {
         "csv" => Ok(()),
@@ -74,11 +74,11 @@ fn check_csv(path: &Path) -> Result<()> {
     }
 }
 
-/// The variables that the arguments name; by default the coordinate of the start, and the inputs on which its
-/// acceleration depends.
+/// The variables in the arguments. By default the coordinate of the start, and the inputs on which its acceleration
+/// depends.
 ///
 /// # Errors
-/// A name that no variable has; a model without a travel.
+/// A name is unknown, or the model has no travel.
 pub fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
     let interface = model.interface();
     let all = |names: &[String], option: &'static str| -> Result<Vec<Reference>> {
@@ -140,7 +140,7 @@ impl Named<'_> {
         names
     }
 
-    /// One line of the table; not a number where a value does not exist.
+    /// One line of the table. NaN stands for a missing value.
     fn row(at: &Linearised) -> Vec<f64> {
         let mut row = vec![at.coordinate, at.acceleration];
         row.extend(at.holding);
@@ -190,7 +190,7 @@ impl Named<'_> {
         plot::write(workspace, path, &format!("{title}: small motions along the travel"), &x, &lines)
     }
 
-    /// The linearisation at the start, a line for each number.
+    /// The linearisation at the start, one line per number.
     fn in_words(&self, at: &Linearised) -> String {
         let names = self.columns(at.a.len());
         let width = names.iter().map(String::len).max().unwrap_or_default();

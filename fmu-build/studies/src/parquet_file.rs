@@ -1,8 +1,8 @@
 //! Tables as Apache Parquet, which pandas, Polars, DuckDB and MATLAB read.
 //!
-//! In: columns that are filled row by row. Out: row groups, so that memory stays constant: whole numbers as INT64,
-//! numbers as DOUBLE with all their bits, truth values as BOOLEAN, texts as strings; plain and not compressed, as
-//! numbers of a motion hold hardly a bit too much.
+//! In: columns that are filled row by row. Out: row groups, so that the memory use is constant: integers as INT64,
+//! numbers as DOUBLE with all bits, Booleans as BOOLEAN, texts as strings. The data are not compressed, because numbers
+//! of a motion contain almost no redundancy.
 
 use anyhow::Result;
 use parquet::basic::{Compression, LogicalType, Repetition, Type};
@@ -15,10 +15,10 @@ use serde_json::{Map, Value};
 use std::fs::File;
 use std::sync::Arc;
 
-/// Values of a row group: 8 MiB.
+/// Number of values of a row group: 8 MiB.
 pub const VALUES: usize = 1 << 20;
 
-/// Values of a column of the row group that is being filled.
+/// Values of a column of the present row group.
 pub enum Values {
     /// Whole numbers.
     Whole(Vec<i64>),
@@ -33,13 +33,13 @@ pub enum Values {
 /// A table.
 pub struct Table {
     file: SerializedFileWriter<File>,
-    /// The columns of the row group that is being filled.
+    /// The columns of the present row group.
     pub columns: Vec<Values>,
 }
 
 impl Table {
-    /// Begin the file with these columns, which are empty yet. Its metadata has the version of the program, the units
-    /// of columns as an object of JSON, and the seed of the samples if there is one.
+    /// Start the file with these empty columns. Its metadata contain the version of the program, the units of the
+    /// columns as a JSON object, and the seed of the samples if there is one.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -77,7 +77,7 @@ impl Table {
         Ok(Self { file: SerializedFileWriter::new(file, schema, Arc::new(properties))?, columns })
     }
 
-    /// Write the row group, whose columns are of one length, and begin another.
+    /// Write the row group, whose columns have equal lengths, and start another one.
     ///
     /// # Errors
     /// The file cannot be written.

@@ -1,6 +1,7 @@
-//! Plots of variables, drawn by a program in Python.
+//! Plots of variables, drawn by a Python program.
 //!
-//! In: values of variables along an axis. Out: a PNG, an SVG or a PDF. It must not know where the values come from.
+//! In: values of variables along an axis. Out: a PNG, SVG or PDF file. The module must not know the source of the
+//! values.
 
 use anyhow::{Context, Result, bail};
 use fmu_build::workspace::Workspace;
@@ -11,24 +12,23 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The program.
+/// The Python program.
 const PROGRAM: &str = "plot.py";
-/// From here on a value stands for an infinite one, such as the limit of a drive without a stop or a reduced mass at a
-/// dead centre.
+/// A larger value represents infinity, such as the limit of a drive without a stop or a reduced mass at a dead centre.
 const INFINITE: f64 = 1e30;
 
 /// Values of a variable along the axis, or those of the axis.
 pub struct Series<'a> {
     /// Name of the variable.
     pub name: &'a str,
-    /// Its unit; none of a Boolean.
+    /// Unit of the variable. None for a Boolean.
     pub unit: Option<Unit>,
-    /// The values; not finite where there is none.
+    /// The values. A missing value is not finite.
     pub values: Vec<f64>,
 }
 
 impl Series<'_> {
-    /// The values in the unit in which the quantity is shown.
+    /// The values in the unit of the plot.
     fn plan(&self) -> Value {
         let (shown, factor) = self
             .unit
@@ -43,10 +43,10 @@ impl Series<'_> {
     }
 }
 
-/// Whether a plot can have this name.
+/// Check the name of a plot.
 ///
 /// # Errors
-/// It ends in none of .png, .svg and .pdf.
+/// The name ends in none of .png, .svg and .pdf.
 pub fn check(path: &Path) -> Result<()> {
     match &*ending(path) {
         "png" | "svg" | "pdf" => Ok(()),
@@ -58,11 +58,11 @@ fn ending(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
-/// Draw the lines along the axis under a title.
+/// Draw the lines along the axis, with a title.
 ///
 /// # Errors
-/// The name of the file has another ending; Python's environment cannot be made; the program fails; the file cannot be
-/// written.
+/// The name of the file has another ending; the Python environment cannot be created; the program fails; the file
+/// cannot be written.
 pub fn write(workspace: &Workspace, path: &Path, title: &str, x: &Series, lines: &[Series]) -> Result<()> {
     check(path)?;
     let scripts = workspace.python_scripts();
@@ -71,7 +71,7 @@ pub fn write(workspace: &Workspace, path: &Path, title: &str, x: &Series, lines:
     let mut child = program.spawn().with_context(|| command::cannot_start(&program, PROGRAM))?;
     let lines: Vec<Value> = lines.iter().map(Series::plan).collect();
     let plan = json!({ "title": title, "x": x.plan(), "lines": lines });
-    // A program that has ended early says why by itself; the pipe is closed when this statement ends.
+    // A program that ends early prints the reason itself. The pipe is closed at the end of this statement.
     let sent = child.stdin.take().map(|input| serde_json::to_writer(std::io::BufWriter::new(input), &plan));
     let picture = child.wait_with_output()?;
     if !picture.status.success() || !matches!(sent, Some(Ok(()))) {

@@ -1,4 +1,4 @@
-//! How far a long run is, and the user's wish to end it.
+//! Progress of a long run, and the user's request to end it.
 
 use fmu_build::run::Watch;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -6,29 +6,29 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time for which a run goes on before its bar is shown.
+/// Duration of a run before its bar is shown.
 const SILENT: Duration = Duration::from_millis(500);
-/// Steps of the bar.
+/// Number of steps of the bar.
 const TICKS: f64 = 1e4;
 
-/// Whether the study is to end early.
+/// Whether the study must end early.
 static WISH: AtomicBool = AtomicBool::new(false);
 static HANDLED: Once = Once::new();
 
-/// Set when the user types Ctrl-C; one for all runs of the program, which can have one handler only.
+/// Set when the user presses Ctrl-C. All runs of the program share it, because the program can have only one handler.
 pub fn stop_wish() -> &'static AtomicBool {
-    // Without a handler Ctrl-C ends the program at once, which loses rows only.
+    // Without a handler Ctrl-C ends the program at once. Only rows are lost.
     HANDLED.call_once(|| drop(ctrlc::set_handler(|| WISH.store(true, Ordering::Relaxed))));
     &WISH
 }
 
-/// What [`stop_wish`] gives, for a host that handles Ctrl-C itself and sets it.
+/// The flag of [`stop_wish`], for a host that handles Ctrl-C itself and sets the flag.
 pub fn stop_wish_of_host() -> &'static AtomicBool {
     HANDLED.call_once(|| {});
     &WISH
 }
 
-/// How far a long run is.
+/// Progress bar of a long run.
 pub struct Bar {
     bar: ProgressBar,
     started: std::time::Instant,
@@ -37,12 +37,12 @@ pub struct Bar {
 }
 
 impl Bar {
-    /// A bar, shown once the run has lasted half a second, if it is to be shown at all.
+    /// A bar, which is shown after half a second if `is_shown`.
     pub fn new(is_shown: bool) -> Self {
         Self { bar: ProgressBar::hidden(), started: std::time::Instant::now(), is_shown, stop_wish: stop_wish() }
     }
 
-    /// Take the bar away.
+    /// Remove the bar.
     pub fn end(&self) {
         self.bar.finish_and_clear();
     }

@@ -1,4 +1,4 @@
-//! The tasks of this crate. Exit codes as those of the packer's tasks.
+//! The tasks of this crate. The exit codes are those of the packer's tasks.
 
 use crate::simulate::Outcome;
 use crate::{gallery, import, linearise, live, simulate, sweep};
@@ -8,10 +8,10 @@ use fmu_build::workspace::Workspace;
 use fmu_cli::Task;
 use std::process::ExitCode;
 
-/// Exit code after Ctrl-C, as shells have it.
+/// Exit code after Ctrl-C, as in shells.
 const INTERRUPTED: u8 = 130;
 
-/// Do a task that the packer does not have; the exit code.
+/// Run a task that the packer does not have. Returns the exit code.
 pub fn run(workspace: &Workspace, task: Task) -> ExitCode {
     let complete = |()| Outcome::Complete;
     let result = match task {

@@ -1,4 +1,4 @@
-//! The crates that both programs have are built once: neither asks for features that the other does not ask for.
+//! The common crates of both programs are built once: both programs need the same features.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;

@@ -1,5 +1,5 @@
-//! The mechanisms of `docs/gallery`: each against its closed form, through positions at which other programs fail; the
-//! committed films are what `cargo fmu demo --gallery` draws.
+//! The mechanisms of `docs/gallery`: each against its closed form, through positions at which other programs fail. The
+//! committed films agree with `cargo fmu demo --gallery`.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::workspace::Workspace;
@@ -11,12 +11,13 @@ use std::{env, fs, process};
 
 type Point = [f64; 2];
 
-/// Rounding of positions [m] and angles [rad]: the tables agree with the exact evaluator to 1e-13 of the size.
+/// Rounding of positions [m] and angles [rad]: the tables have errors of 1e-13 of the size.
 const ROUNDING: f64 = 1e-12;
 /// Largest size of a film [bytes].
 const LARGEST: usize = 150_000;
 
-/// Run a mechanism of the gallery for ten of its experiments, in steps that meet no position twice; look at each.
+/// Run a mechanism of the gallery for ten times its experiment, in steps that reach no position twice. `look` checks
+/// each step.
 fn run(name: &str, mut look: impl FnMut(&mut Simulation)) {
     let path = Workspace::locate().gallery().join(format!("{name}.json"));
     let mut simulation = Simulation::open(&fs::read_to_string(path).unwrap()).unwrap();
@@ -53,9 +54,9 @@ fn turned(a: f64, b: f64) -> f64 {
     difference.min(TAU - difference)
 }
 
-/// The point at these distances from two others, on the left of the way from the first to the second, and that on the
-/// right.
-fn meet(a: Point, from_a: f64, b: Point, from_b: f64) -> [Point; 2] {
+/// The two points with these distances from two other points: left and right of the line from the first to the second
+/// point.
+fn intersections(a: Point, from_a: f64, b: Point, from_b: f64) -> [Point; 2] {
     let d = apart(a, b);
     let along = (d * d + from_a * from_a - from_b * from_b) / (2.0 * d);
     let up = (from_a * from_a - along * along).max(0.0).sqrt();
@@ -63,7 +64,7 @@ fn meet(a: Point, from_a: f64, b: Point, from_b: f64) -> [Point; 2] {
     [up, -up].map(|up| [a[0] + along * x - up * y, a[1] + along * y + up * x])
 }
 
-/// Crank and rod of the same length r: the slider is at 2 r cos(theta), on either side of the bearing.
+/// Crank and rod have the length r: the slider is at 2 r cos(theta), on either side of the bearing.
 #[test]
 fn a_slider_crank_with_a_rod_as_long_as_the_crank() {
     const R: f64 = 0.2;
@@ -84,11 +85,12 @@ fn a_slider_crank_with_a_rod_as_long_as_the_crank() {
         flat += i32::from(x * side < 0.0);
         side = x.signum();
     });
-    // Two flat positions in each of ten turns.
+    // Two flat positions per turn, over ten turns.
     assert_eq!(flat, 20);
 }
 
-/// Three parallel cranks, their pins on one line: all have one angle, which grows evenly, and the rod translates.
+/// Three parallel cranks with their pins on one line: all have the same angle, which increases uniformly, and the rod
+/// translates.
 #[test]
 fn three_cranks_on_a_rod_with_its_joints_in_line() {
     run("coupled_cranks", |cranks| {
@@ -103,17 +105,18 @@ fn three_cranks_on_a_rod_with_its_joints_in_line() {
     });
 }
 
-/// Knee where three bodies meet, from circles around crank pin and top; the ram below it.
+/// The knee connects three bodies. Its position follows from circles about the crank pin and the top joint. The ram is
+/// below it.
 #[test]
 fn a_press_with_three_bodies_at_the_knee() {
     let mut straight = 0;
     let mut side = 1.0;
     run("toggle_press", |press| {
         let theta = get(press, "crank.angle");
-        let [_, knee] = meet(plus([-0.4, 0.3], polar(0.1, theta)), 0.41, [0.0, 0.6], 0.3);
-        let told = [get(press, "knee.x"), get(press, "knee.y")];
-        // The circles meet at an angle of 0.8 rad and more.
-        assert!(apart(told, knee) < 4.0 * ROUNDING * (1.0 + theta.abs()), "{told:?} {knee:?}");
+        let [_, knee] = intersections(plus([-0.4, 0.3], polar(0.1, theta)), 0.41, [0.0, 0.6], 0.3);
+        let actual = [get(press, "knee.x"), get(press, "knee.y")];
+        // The circles intersect at an angle of at least 0.8 rad.
+        assert!(apart(actual, knee) < 4.0 * ROUNDING * (1.0 + theta.abs()), "{actual:?} {knee:?}");
         let ram = knee[1] - (0.3 * 0.3 - knee[0] * knee[0]).sqrt();
         assert!((get(press, "guide.position") - ram).abs() < 4.0 * ROUNDING * (1.0 + theta.abs()));
         straight += i32::from(knee[0] * side < 0.0);
@@ -133,15 +136,15 @@ fn a_crossing_parallelogram_stays_crossed() {
         let (a, b) = (0.5 * theta, 0.5 * phi);
         let residual = (G - R) * b.sin() * a.cos() + (G + R) * b.cos() * a.sin();
         assert!(residual.abs() < ROUNDING * (1.0 + theta), "{theta} {phi} {residual:e}");
-        // Against one another, turn for turn.
+        // The bars turn in opposite directions, with equal numbers of turns.
         assert!(turned(theta, 0.0) + turned(phi, 0.0) > 0.0 && (theta + phi).abs() < PI, "{theta} {phi}");
         last = theta;
     });
     assert!(last > 9.5 * TAU, "{last}");
 }
 
-/// No bar turns round: crank or rocker stands still where the two others are in line. The pin is at one of two points;
-/// which one changes each time the coupler passes 180 degrees.
+/// No bar rotates fully: crank or rocker has its extreme position when the other two bars are in line. The pin is at
+/// one of two points, which change each time the coupler passes 180 degrees.
 #[test]
 fn a_four_bar_passes_180_degrees() {
     let (mut passed, mut side) = (0, 0.0);
@@ -150,9 +153,9 @@ fn a_four_bar_passes_180_degrees() {
         let [theta, phi] = ["crank.angle", "rocker.angle"].map(|name| get(bars, name));
         let (b, d) = (polar(0.3, theta), [0.5, 0.0]);
         let c = plus(d, polar(0.35, phi));
-        // From either side: where one pair of circles touches, the other cuts.
-        let by_crank = meet(b, 0.25, d, 0.35).map(|point| apart(point, c));
-        let by_rocker = meet(c, 0.25, [0.0, 0.0], 0.3).map(|point| apart(point, b));
+        // From either side: where one pair of circles touches, the other pair intersects.
+        let by_crank = intersections(b, 0.25, d, 0.35).map(|point| apart(point, c));
+        let by_rocker = intersections(c, 0.25, [0.0, 0.0], 0.3).map(|point| apart(point, b));
         let best = |of: [f64; 2]| of[0].min(of[1]);
         assert!(best(by_crank).min(best(by_rocker)) < 10.0 * ROUNDING, "{theta} {phi}");
         both[usize::from(by_crank[1] < by_crank[0])] = true;
@@ -183,7 +186,7 @@ fn the_foot_of_peaucelliers_inversor_moves_straight() {
     assert!(reach[0] < -0.27 && reach[1] > 0.27, "{reach:?}");
 }
 
-/// All pictures of a film, with their times.
+/// All pictures of a film, with their durations.
 fn film(path: &Path) -> Vec<(u16, Vec<u8>)> {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::Indexed);
@@ -205,7 +208,7 @@ fn film(path: &Path) -> Vec<(u16, Vec<u8>)> {
     pictures
 }
 
-/// Pictures, not bytes, are compared: another machine's sine may differ in its last bit, which may move a pixel.
+/// The test compares pictures, not bytes: the sine of another machine may differ in its last bit, and move a pixel.
 #[test]
 fn committed_films_are_what_is_drawn() {
     let workspace = Workspace::locate();

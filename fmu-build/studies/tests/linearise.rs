@@ -1,4 +1,4 @@
-//! `cargo fmu linearise`: the table has the numbers of the engine, and the picture is drawn.
+//! `cargo fmu linearise`: the table contains the numbers of the engine, and the picture is drawn.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::workspace::Workspace;

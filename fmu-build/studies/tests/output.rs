@@ -1,4 +1,4 @@
-//! Every command that prints, into a pipe that nobody reads and onto a full disk.
+//! Every command that prints, with a closed pipe and with a full disk as its output.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::workspace::Workspace;
@@ -8,7 +8,7 @@ use std::{env, fs, process};
 
 const TABLE: &str = "type,x,y,angle,links,driven\nR,0,0,,ground a,1\nR,0,1,,a b,\nR,4,3,,b c,\nR,3,0,,ground c,\n";
 
-/// A run of each command, which writes its files into this folder.
+/// The arguments of each command, which writes its files into this folder.
 fn commands(folder: &str) -> Vec<Vec<String>> {
     let crank = Workspace::locate().descriptions().join("SliderCrank").display().to_string();
     let table = format!("{folder}/four_bar.csv");
@@ -35,7 +35,7 @@ fn run(words: &[String], stdout: Stdio, stderr: Stdio) -> Output {
     command.args(words).stdout(stdout).stderr(stderr).spawn().unwrap().wait_with_output().unwrap()
 }
 
-/// Standard output by its name holds the file alone, whether it is a pipe or leads to a file.
+/// If the file is the standard output, it contains only the file, for a pipe and for a file.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_file_is_written_to_standard_output_by_its_name() {
@@ -65,7 +65,7 @@ fn a_file_is_written_to_standard_output_by_its_name() {
 }
 
 #[test]
-fn what_is_printed_into_a_closed_pipe_or_onto_a_full_disk_ends_in_no_panic() {
+fn output_to_a_closed_pipe_or_a_full_disk_does_not_panic() {
     let folder = env::temp_dir().join(format!("fmu-build-output-{}", process::id()));
     fs::create_dir_all(&folder).unwrap();
     let closed = || {
@@ -74,7 +74,7 @@ fn what_is_printed_into_a_closed_pipe_or_onto_a_full_disk_ends_in_no_panic() {
         Stdio::from(writer)
     };
     for words in commands(folder.to_str().unwrap()) {
-        // A task is done, whoever reads of it.
+        // The task is completed also without a reader.
         let output = run(&words, closed(), Stdio::piped());
         let said = String::from_utf8_lossy(&output.stderr).into_owned();
         assert!(output.status.success() && !said.contains("error:"), "{words:?}: {said}");

@@ -1,4 +1,5 @@
-//! `cargo fmu simulate`: constant memory, whatever the number of steps; what a run costs beside its steps.
+//! `cargo fmu simulate`: the memory use is constant for any number of steps; the cost of a run in addition to its
+//! steps.
 #![allow(clippy::unwrap_used)]
 
 use fmu_build::workspace::Workspace;
@@ -10,14 +11,14 @@ use std::{env, fs, process};
 
 /// Communication step [s].
 const STEP: f64 = 1e-3;
-/// A four-bar under gravity that turns without a drive.
+/// A four-bar that moves under gravity without a drive.
 const START_VALUES: [&str; 1] = ["drive.torque=0"];
 
 fn four_bar() -> PathBuf {
     Workspace::locate().descriptions().join("FourBar")
 }
 
-/// A folder that is removed with all that is in it.
+/// A folder that is removed with its contents.
 struct Folder(PathBuf);
 
 impl Folder {
@@ -34,7 +35,7 @@ impl Drop for Folder {
     }
 }
 
-/// Largest memory of a run of so many steps that writes a file of this ending, or none [kB].
+/// Largest memory of a run with this number of steps that writes a file with this ending, or none [kB].
 #[cfg(target_os = "linux")]
 fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     use std::process::{Command, Stdio};
@@ -53,10 +54,12 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     let mut child = command.arg("--").arg(four_bar()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
     let mut most = 0;
     let status = loop {
-        // The kernel keeps the largest value, so that the last look has it but for the last moments.
-        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak =
-            told.lines().find_map(|line| line.strip_prefix("VmHWM:")).and_then(|line| line.split_whitespace().next());
+        // The kernel stores the largest value, so the last reading misses only the last moments.
+        let process_status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak = process_status
+            .lines()
+            .find_map(|line| line.strip_prefix("VmHWM:"))
+            .and_then(|line| line.split_whitespace().next());
         most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
         if let Some(status) = child.try_wait().unwrap() {
             break status;
@@ -72,17 +75,17 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
 fn memory_does_not_grow_with_the_steps() {
     let folder = Folder::new("memory");
     for ending in ["", "csv", "parquet", "png", "gif"] {
-        // The first row group of a Parquet file holds 349 525 rows of a time and two variables.
+        // The first row group of a Parquet file has 349 525 rows with a time and two variables.
         let few = if ending == "parquet" { 400_000 } else { 100_000 };
         let [short, long] = [few, 1_000_000].map(|steps| memory(&folder.0, steps, ending));
         println!("{ending:>8}: {short} kB for {few} steps, {long} kB for 1e6");
-        // Rows of 1e6 steps take 24 MB. Blocks that wait for the writer may be a few more or fewer.
+        // Rows of 1e6 steps need 24 MB. The number of blocks that wait for the writer varies slightly.
         assert!(long < short + 4_000, "{ending}: {short} kB for {few} steps, {long} kB for 1e6");
         assert!(short > 1_000);
     }
 }
 
-/// The fastest of some runs [s].
+/// Time of the fastest of some runs [s].
 fn fastest(mut run: impl FnMut()) -> f64 {
     let time = |run: &mut dyn FnMut()| {
         let start = Instant::now();
@@ -92,7 +95,7 @@ fn fastest(mut run: impl FnMut()) -> f64 {
     (0..5).map(|_| time(&mut run)).fold(f64::INFINITY, f64::min)
 }
 
-/// The same steps by the engine alone.
+/// The same steps by the engine only.
 fn engine(text: &str, steps: u32) {
     let mut model = Component::from_definition("mechanism.json", text).unwrap();
     let torque = model.interface().find("drive.torque").unwrap();
@@ -125,7 +128,7 @@ fn a_run_costs_what_its_steps_cost() {
     };
     let bare = run(None, &[]);
     let motion = ["crank.angle", "crank.speed", "coupler.angle"];
-    let told = [
+    let cases = [
         ("no file", bare),
         ("CSV, 3 variables", run(Some("run.csv"), &motion)),
         ("CSV, all outputs", run(Some("run.csv"), &[])),
@@ -134,13 +137,13 @@ fn a_run_costs_what_its_steps_cost() {
     ];
     let each = |seconds: f64| 1e9 * seconds / f64::from(steps);
     println!("the engine alone: {:.0} ns a step", each(alone));
-    for (what, seconds) in told {
+    for (what, seconds) in cases {
         println!("{what}: {:.0} ns a step, {:.2} times the engine", each(seconds), seconds / alone);
     }
     assert!(bare < 1.2 * alone, "{bare} s, the engine alone {alone} s");
 }
 
-/// A pendulum under gravity, half a radian above the horizontal at the start: small motions are no oscillation there.
+/// A pendulum under gravity that starts half a radian above the horizontal, where small motions are no oscillation.
 const PENDULUM: &str = r#"{
   "name": "Pendulum", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
   "bodies": { "ground": {}, "rod": { "mass": 1, "inertia": 0.1, "center": [0.5, 0] } },
@@ -150,7 +153,7 @@ const PENDULUM: &str = r#"{
 }"#;
 
 #[test]
-fn columns_without_a_value_are_told_with_the_reason() {
+fn columns_without_a_value_are_reported_with_the_reason() {
     let folder = Folder::new("missing");
     let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
     fs::write(&definition, PENDULUM).unwrap();
@@ -158,30 +161,30 @@ fn columns_without_a_value_are_told_with_the_reason() {
         let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
         let output = command.arg("simulate").arg(&definition).args(arguments).output().unwrap();
         assert!(output.status.success());
-        let told = String::from_utf8(output.stderr).unwrap();
-        told.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
+        let errors = String::from_utf8(output.stderr).unwrap();
+        errors.lines().filter(|line| line.starts_with("warning: no value of")).map(str::to_owned).collect::<Vec<_>>()
     };
-    // Past the horizontal the loads drive it back, so that the rows without a value are those before.
-    let told = run(&["--output-file", table.to_str().unwrap()]);
+    // Below the horizontal the loads drive it back, so only the first rows have no value.
+    let warnings = run(&["--output-file", table.to_str().unwrap()]);
     let text = fs::read_to_string(&table).unwrap();
     let names: Vec<_> = text.lines().next().unwrap().split(',').map(|name| name.trim_matches('"')).collect();
     let without = |index: usize| text.lines().skip(1).filter(|row| row.split(',').nth(index) == Some("nan")).count();
     let column = names.iter().position(|name| *name == "linearisation.eigenfrequency").unwrap();
     let count = without(column);
     assert!((5..95).contains(&count), "{count}");
-    let line = told.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
+    let line = warnings.iter().find(|line| line.contains("linearisation.eigenfrequency")).unwrap();
     assert!(line.contains(&format!("in {count} of 101 rows (first at 0.0 s): the loads do not return")), "{line}");
-    // Each column once, and none that has all values.
+    // Each column is named once, and no column with all values is named.
     for (index, name) in names.iter().enumerate() {
-        let lines = told.iter().filter(|line| line.contains(name)).count();
-        assert_eq!(lines, usize::from(without(index) > 0), "{name}: {told:?}");
+        let lines = warnings.iter().filter(|line| line.contains(name)).count();
+        assert_eq!(lines, usize::from(without(index) > 0), "{name}: {warnings:?}");
     }
-    // All rows; and of a run without a file, of which the last row alone is read, that one.
+    // All rows; and for a run without a file only the last row, which is the only one that is read.
     let short = ["--stop-time", "0.05", "--output-file", table.to_str().unwrap()];
     for (arguments, said) in [(&short[..], "from 0.0 s on (nan in 6 of 6 rows): "), (&short[..2], "at 0.05 s: ")] {
-        let (told, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
-        let is_told = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
-        assert!(told.iter().any(is_told), "{said}: {told:?}");
+        let (warnings, said) = (run(arguments), format!("{said}the loads do not return the mechanism"));
+        let is_named = |line: &String| line.contains("linearisation.eigenfrequency") && line.contains(&said);
+        assert!(warnings.iter().any(is_named), "{said}: {warnings:?}");
     }
 }
 
@@ -195,9 +198,9 @@ fn start_values_may_have_a_sign() {
         let times = ["--start-time", "-2.5e-1", "--stop-time", "-2.4e-1", "--output-interval", "1e-2"];
         command.arg("simulate").arg(&definition).args(times).args(["--start-values", "rod.start_angle", value]);
         let output = command.args(["rod.start_speed", "-2", "--output-variables", "rod.angle"]).output().unwrap();
-        let told = String::from_utf8_lossy(&output.stdout);
-        let reached: f64 = told.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
-        // One step of 0.01 s at -2 rad/s; gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
+        let table = String::from_utf8_lossy(&output.stdout);
+        let reached: f64 = table.split('\t').nth(1).unwrap_or_else(|| panic!("{value}: {output:?}")).parse().unwrap();
+        // One step of 0.01 s at -2 rad/s. Gravity adds less than 9.81 * 0.5 / 0.35 rad/s2 * (0.01 s)^2 / 2.
         assert!((reached - (angle - 0.02)).abs() < 7.1e-4, "{value}: {reached}");
     }
 }
@@ -211,8 +214,8 @@ const CART: &str = r#"{
       "step_size": 0.01 }
 }"#;
 
-/// A force that grows to 10 N in 1 s and falls to 0 in another moves 2 kg by F T^2 / m = 5 m, at any interval of the
-/// rows.
+/// A force that increases to 10 N in 1 s and decreases to 0 in another second moves 2 kg by F T^2 / m = 5 m, for any
+/// interval of the rows.
 #[test]
 fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
     let folder = Folder::new("slopes");
@@ -228,7 +231,7 @@ fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
             command.arg(&definition).args(["--output-variables", "rail.position", "push.force"]).output().unwrap();
         let printed = String::from_utf8_lossy(&output.stdout);
         let values: Vec<f64> = printed.lines().map(|line| line.split('\t').nth(1).unwrap().parse().unwrap()).collect();
-        // Cubic polynomials, so that rounding alone is left.
+        // The positions are cubic polynomials, so only rounding remains.
         assert!((values[0] - 5.0).abs() < 1e-12 && values[1].abs() < 1e-12, "every {interval} s: {values:?}");
     }
 }
@@ -252,10 +255,10 @@ fn a_run_without_a_length_has_the_values_at_the_start() {
     assert!(fs::read(&film).unwrap().starts_with(b"GIF89a"));
 }
 
-/// The rows of a run that is killed, or for which the disk has no room, do not take the place of those of one before.
+/// The rows of a killed run, or of a run on a full disk, do not replace the rows of a previous run.
 #[cfg(target_os = "linux")]
 #[test]
-fn what_cannot_be_written_whole_leaves_what_was_there() {
+fn a_failed_write_keeps_the_previous_results() {
     let folder = Folder::new("whole");
     let (definition, table) = (folder.0.join("pendulum.json"), folder.0.join("run.csv"));
     fs::write(&definition, PENDULUM).unwrap();
@@ -277,16 +280,16 @@ fn what_cannot_be_written_whole_leaves_what_was_there() {
     killed.kill().unwrap();
     killed.wait().unwrap();
     assert_eq!(fs::read(&table).unwrap(), b"before");
-    // A device is written to as it is; this one is always full.
+    // A device is written directly. This device is always full.
     let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
     let said = String::from_utf8(full.stderr).unwrap();
     let line = "error: /dev/full: cannot be written; free disk space, or give another folder: No space left on device";
     assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
 }
 
-/// A belt that goes slack is told with its time, once; a remark without a time gets that of the step.
+/// The warning about a slack belt contains its time once. A warning without a time gets the time of the step.
 #[test]
-fn the_time_of_a_warning_is_told_once() {
+fn the_time_of_a_warning_is_printed_once() {
     let folder = Folder::new("slack");
     let path = folder.0.join("belt.json");
     let text = r#"{ "name": "Shafts",
@@ -302,8 +305,8 @@ fn the_time_of_a_warning_is_told_once() {
     let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
     let output = command.arg("simulate").arg(&path).args(["--stop-time", "0.1"]).output().unwrap();
     let said = String::from_utf8_lossy(&output.stderr).into_owned();
-    let told: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
-    let [line] = told[..] else { panic!("{said}") };
+    let found: Vec<&str> = said.lines().filter(|line| line.contains("slack")).collect();
+    let [line] = found[..] else { panic!("{said}") };
     assert!(line.starts_with("warning: loop transmits ") && line.matches(" s").count() >= 1, "{line}");
     assert_eq!(line.matches("at t = ").count() + line.matches("warning: at ").count(), 1, "{line}");
 }

@@ -1,4 +1,4 @@
-//! What the command prints, as text and as JSON, of files, folders and FMUs.
+//! The output of the command as text and as JSON, for files, folders and FMUs.
 
 use crate::support::{checked, slider_crank, with};
 use fmu_build::archive::{self, Entry};
@@ -20,7 +20,7 @@ fn the_printed_finding_shows_file_line_text_and_remedy() {
     assert!(check::summary(&all).starts_with("m.json: M: 0 errors, 1 warning"), "{}", check::summary(&all));
 }
 
-/// A file, a folder and an FMU; what passes with warnings and without.
+/// A file, a folder and an FMU, with and without warnings.
 #[test]
 fn files_folders_and_fmus_are_checked() {
     let folder = std::env::temp_dir().join(format!("fmu-build-check-{}", std::process::id()));
@@ -53,8 +53,8 @@ fn files_folders_and_fmus_are_checked() {
 
 #[test]
 fn the_json_for_programs_has_places_facts_and_counts() {
-    let told = check::json(&[checked(&with("/gravity/up_angle", json!(90)))]);
-    let one = &told[0];
+    let output = check::json(&[checked(&with("/gravity/up_angle", json!(90)))]);
+    let one = &output[0];
     assert_eq!((&one["errors"], &one["warnings"], &one["name"]), (&json!(0), &json!(1), &json!("M")));
     let finding = &one["findings"][0];
     assert_eq!((&finding["severity"], &finding["path"]), (&json!("warning"), &json!("gravity.up_angle")));
@@ -63,7 +63,7 @@ fn the_json_for_programs_has_places_facts_and_counts() {
     assert_eq!(mass["quantities"][0], json!({ "name": "total", "value": 3.0, "unit": "kg" }));
 }
 
-/// Paths that cannot be read have an object of their own; nothing is packed unless all is sound.
+/// Unreadable paths have a separate object. Nothing is packed unless all definitions are valid.
 #[test]
 fn a_path_that_cannot_be_read_does_not_hide_the_others() {
     use std::process::Command;

@@ -20,13 +20,13 @@ fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
     near("Travel", "guide", "most", 0.4);
     near("Travel", "rod", "most", (1.0_f64 / 3.0).asin());
     near("Drives", "push", "stroke", 0.2);
-    // Half of m l2 / 3 omega2 and of 2 kg v2; the slider's speed over the crank's by a central difference.
+    // Half of m l2 / 3 omega2 and of 2 kg v2. The ratio of slider speed to crank speed is a central difference.
     let rate = (slider(angle + 1e-6) - slider(angle - 1e-6)) / 2e-6;
     let inertia = number(&all, "Reduced mass", "motor", "start");
     assert!((inertia - (0.01 / 3.0 + 2.0 * rate * rate)).abs() < 1e-9, "{inertia}");
     near("Reduced mass", "motor", "least", 0.01 / 3.0);
     assert!(number(&all, "Reduced mass", "push", "most").is_infinite(), "dead centres of the slider");
-    // The motor carries the crank's weight at half its length; the slider moves across gravity.
+    // The motor carries the weight of the crank at half its length. The slider moves normal to gravity.
     near("Equilibrium at the start", "motor", "holding", 10.0 * 0.05 * angle.cos());
     assert!(
         fact(&all, "Equilibrium at the start", "crank")
@@ -37,9 +37,9 @@ fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
     assert_eq!(toggles, 2);
 }
 
-/// Angles, lengths and forces that are rounding are 0, also in words; no large number stands for infinity.
+/// Angles, lengths and forces within rounding are printed as 0, and no large number represents infinity.
 #[test]
-fn what_is_rounding_is_told_as_zero() {
+fn rounding_errors_are_reported_as_zero() {
     let mut text = slider_crank();
     text["bodies"]["twin"] = json!({ "length": 0.1, "points": { "eye": [0.05, 0] } });
     for (name, first, at) in [("axis", "ground.origin", "origin"), ("twins", "crank.end", "end")] {
@@ -54,8 +54,8 @@ fn what_is_rounding_is_told_as_zero() {
         assert_eq!(number(&all, "Drives", "idle", name), 0.0, "{name}");
     }
     assert_eq!(number(&all, "Drives", "short", "stroke"), 0.0);
-    let told: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
-    let [idle, short] = &told[..] else { panic!("{told:#?}") };
+    let messages: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
+    let [idle, short] = &messages[..] else { panic!("{messages:#?}") };
     assert!(idle.contains("the joint is at 0 rad in every position"), "{idle}");
     assert!(short.contains("the two ends are 0.05 m apart in every position"), "{short}");
     let lines: Vec<String> = all.inspection.facts.iter().map(|fact| check::line(fact, &all.units)).collect();
@@ -91,7 +91,7 @@ fn the_start_holds_in_balance_and_at_a_stop() {
     assert!(fact(&all, "Ends of travel", "backward").text.starts_with("down at crank = 0.5"));
 }
 
-/// A flap whose link and rocker, of 0.05 m each, are in line before it is open.
+/// A flap whose link and rocker of 0.05 m each are in line before the flap is open.
 #[test]
 fn the_joints_that_end_a_motion_are_named() {
     let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
@@ -116,15 +116,23 @@ fn the_joints_that_end_a_motion_are_named() {
         .to_string()
     };
     let all = checked(&flap(10.0));
-    let told = |path: &str| all.findings.iter().find(|l| l.finding.path == path).unwrap().finding.message.clone();
-    // Where the two are in line, they are the third side of a triangle of 0.1, 0.06 and 0.1 m.
+    let message_of = |path: &str| all.findings.iter().find(|l| l.finding.path == path).unwrap().finding.message.clone();
+    // In line, both are the third side of a triangle with the sides 0.1, 0.06 and 0.1 m.
     let short = 90.0 - (0.0036_f64 / 0.012).acos().to_degrees();
-    assert!(told("stops.open").contains(&format!("turns back {short:.2} deg")), "{} {short}", told("stops.open"));
-    assert!(told("stops.open").ends_with("B, C and D come into line (dead centre)"), "{}", told("stops.open"));
     assert!(
-        told("stops.far").contains("the stop shut ends the motion 5 deg before this stop"),
+        message_of("stops.open").contains(&format!("turns back {short:.2} deg")),
+        "{} {short}",
+        message_of("stops.open")
+    );
+    assert!(
+        message_of("stops.open").ends_with("B, C and D come into line (dead centre)"),
         "{}",
-        told("stops.far")
+        message_of("stops.open")
+    );
+    assert!(
+        message_of("stops.far").contains("the stop shut ends the motion 5 deg before this stop"),
+        "{}",
+        message_of("stops.far")
     );
     let at = all.inspection.facts.iter().filter(|fact| fact.topic == "Toggles" && fact.of == "flap");
     let lines: Vec<String> = at.map(|fact| check::line(fact, &all.units)).collect();
@@ -133,7 +141,7 @@ fn the_joints_that_end_a_motion_are_named() {
 }
 
 #[test]
-fn redundant_joints_and_crossings_are_told() {
+fn redundant_joints_and_crossings_are_reported() {
     let text = json!({
         "name": "P",
         "bodies": {
@@ -163,9 +171,9 @@ fn redundant_joints_and_crossings_are_told() {
     assert_eq!(all.inspection.facts.iter().filter(|fact| fact.topic == "Crossings").count(), 2);
 }
 
-/// A carriage of 0.2 m between stops far beyond the part of its rail that is traced first.
+/// A carriage of 0.2 m between stops far beyond the first stretch of its rail.
 #[test]
-fn a_long_travel_is_told_to_its_stops() {
+fn a_long_travel_is_reported_up_to_its_stops() {
     let stop = |limit: &str, position: f64| json!({ "joint": "rail", "limit": limit, "position": position });
     let gantry = json!({
         "name": "Gantry",
@@ -178,8 +186,8 @@ fn a_long_travel_is_told_to_its_stops() {
     let checked = checked(&gantry.to_string());
     for (name, expected) in [("least", -60.0), ("most", 6000.0), ("start", 1000.0)] {
         for (topic, of) in [("Travel", "rail"), ("Drives", "drive")] {
-            let told = number(&checked, topic, of, name);
-            assert!((told - expected).abs() < 1e-9, "{topic} {name}: {told}");
+            let value = number(&checked, topic, of, name);
+            assert!((value - expected).abs() < 1e-9, "{topic} {name}: {value}");
         }
     }
     assert!((number(&checked, "Mass", "", "centre x") - 1000.0).abs() < 1e-9);
@@ -187,8 +195,8 @@ fn a_long_travel_is_told_to_its_stops() {
     assert!(text.contains("east at rail = 6000.000000 m"), "{text}");
 }
 
-/// An elliptic trammel whose middle a crank holds too: some of its loop equations are singular at dead centres, all of
-/// them are not. A platform that does not move has no toggles.
+/// An elliptic trammel whose middle is also held by a crank: at dead centres some of its loop equations are singular,
+/// but not all. A platform that does not move has no toggles.
 #[test]
 fn singular_parts_of_redundant_loops_are_no_crossings() {
     let rod = |length: f64| {

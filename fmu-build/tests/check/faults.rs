@@ -1,11 +1,12 @@
-//! Errors: of the form, of the meaning, of the geometry, each at its place.
+//! Errors of form, meaning and geometry, each at its place.
 
 use crate::support::{checked, found, slider_crank, with};
 use fmu_build::check;
 use linkage_fmu::inspection::Severity;
 use serde_json::json;
 
-/// Comments, NaN, decimal and trailing commas, a misspelt key, a truth value for a number: each once, at its place.
+/// Comments, NaN, decimal and trailing commas, a misspelt key, a Boolean for a number: each is reported once, at its
+/// place.
 #[test]
 fn every_fault_of_the_form_is_found_at_its_place() {
     let text = "{\n  // none\n  \"name\": \"M\",\n  \"gravity\": { \"acceleration\": 9,81, \"up_angle\": NaN },\n  \
@@ -37,9 +38,9 @@ fn every_fault_of_the_form_is_found_at_its_place() {
     assert!(!all.is_whole);
 }
 
-/// The key that is meant stands at the beginning of the message, in the place of all that may stand there.
+/// The similar key is at the start of the message, instead of a list of all keys.
 #[test]
-fn a_key_that_is_meant_is_named() {
+fn a_similar_key_is_suggested() {
     for (path, value, meant) in [
         ("/actuatros", json!({}), "no key `actuatros` here; did you mean `actuators`?"),
         ("/bodies/crank/weight", json!(1), "no key `weight` here; did you mean `mass`?"),
@@ -50,7 +51,7 @@ fn a_key_that_is_meant_is_named() {
         assert!(all.len() == 1 && all[0].1.contains(meant), "{all:#?}");
         assert!(all[0].1.contains("the keys are") == meant.contains("the keys"), "{all:#?}");
     }
-    // A body that turns with another one has no guess.
+    // A body that turns with another body has no guess.
     let mut text = slider_crank();
     text["bodies"]["weight"] = json!({ "fixed_to": "crank.origin", "angle": 3.0, "length": 0.05, "mass": 1 });
     text["guess"]["weight"] = json!(3.5);
@@ -102,9 +103,9 @@ fn errors_of_the_geometry_have_their_place() {
     }
 }
 
-/// What the parser alone refuses has its place and its remedy, and what can be read besides is read.
+/// Faults that only the parser rejects have a place and a remedy. The rest of the file is read.
 #[test]
-fn what_is_no_json_has_its_place_and_its_remedy() {
+fn invalid_json_is_reported_with_place_and_remedy() {
     let good = serde_json::to_string_pretty(&slider_crank()).unwrap();
     for (from, to, shown, said) in [
         ("\"name\": \"M\"", "'name': 'M'", "'name'", "double quotes"),
@@ -137,7 +138,7 @@ fn what_is_no_json_has_its_place_and_its_remedy() {
 }
 
 #[test]
-fn all_that_an_empty_definition_lacks_is_told() {
+fn everything_missing_in_an_empty_definition_is_reported() {
     let messages: Vec<_> = checked("{}").findings.into_iter().map(|located| located.finding.message).collect();
     for key in ["name", "bodies", "joints", "start"] {
         assert!(messages.iter().any(|message| message.contains(&format!("`{key}`"))), "{key}: {messages:#?}");
@@ -145,7 +146,7 @@ fn all_that_an_empty_definition_lacks_is_told() {
 }
 
 #[test]
-fn values_are_told_in_the_units_of_the_file() {
+fn values_in_messages_are_in_the_units_of_the_file() {
     let mut text = slider_crank();
     text["units"] = json!({ "length": "mm" });
     for (body, length) in [("crank", 100), ("rod", 300)] {
@@ -158,7 +159,7 @@ fn values_are_told_in_the_units_of_the_file() {
     text["stops"] = json!({ "s": { "joint": "guide", "limit": "upper", "position": 0.35 } });
     let all = found(&text.to_string(), Severity::Error);
     assert!(all[0].1.starts_with("stops.s.position = 0.35 mm: the start, at 390 mm") && all[0].2 == "0.35", "{all:#?}");
-    // A remedy has the file's units too, and asks for none that the file has.
+    // A remedy uses the units of the file too, and does not request units that the file has.
     text["units"]["angle"] = json!("deg");
     (text["stops"], text["gravity"]["up_angle"]) = (json!({}), json!(90));
     (text["guess"], text["start"]) =
@@ -180,7 +181,7 @@ fn values_are_told_in_the_units_of_the_file() {
 }
 
 #[test]
-fn names_and_guesses_at_fault_are_told_together() {
+fn faulty_names_and_guesses_are_reported_together() {
     let mut text = slider_crank();
     text["guess"] = json!({ "crank": 0.5 });
     let all = found(&text.to_string(), Severity::Error);
@@ -207,7 +208,7 @@ fn names_and_guesses_at_fault_are_told_together() {
 }
 
 #[test]
-fn of_many_names_the_nearest_are_told() {
+fn of_many_names_the_most_similar_are_suggested() {
     let mut text = slider_crank();
     let points: serde_json::Map<_, _> = (0..20_000).map(|k| (format!("p{k}"), json!([0.0, 0.1]))).collect();
     text["bodies"]["rod"]["points"] = points.into();

@@ -5,7 +5,7 @@ use fmu_build::check;
 use linkage_fmu::inspection::Severity;
 
 #[test]
-fn a_hydraulic_actuator_has_facts_and_warnings_of_its_own() {
+fn a_hydraulic_actuator_has_separate_facts_and_warnings() {
     let text = include_str!("../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
     let check = |text: &str| check::check("h.json".into(), "hydraulics.json", text.into()).unwrap();
     let all = check(text);
@@ -43,7 +43,7 @@ fn a_circuit_in_a_drive_is_checked_at_its_place() {
 }
 
 #[test]
-fn a_fault_of_a_network_stands_at_its_key() {
+fn a_fault_of_a_network_is_reported_at_its_key() {
     let network = include_str!("../../../modelDescription/HydraulicSystem/resources/network.json");
     let arm = include_str!("../../../modelDescription/LiftArm/resources/mechanism.json");
     for (file, text, from, to, path) in [
@@ -59,7 +59,7 @@ fn a_fault_of_a_network_stands_at_its_key() {
         let places: Vec<_> = errors.map(|one| (one.finding.path.as_str(), &text[one.span.clone()])).collect();
         assert_eq!(places, [(path, to.split(": ").last().unwrap())], "{}", check::findings(&all));
     }
-    // A fault of JSON is one error, in a file of any name.
+    // A fault of JSON is one error, in a file with any name.
     let text = network.replacen("\"HydraulicSystem\",", "\"HydraulicSystem\"", 1);
     let kind = linkage_fmu::component::Component::kind_of(&text).unwrap();
     let all = check::check("my.json".into(), kind, text).unwrap();

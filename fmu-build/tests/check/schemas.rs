@@ -1,4 +1,4 @@
-//! The JSON that `check` and `info` print is what the committed schemas say, and the page explains each field.
+//! The JSON of `check` and `info` agrees with the committed schemas, and the page explains each field.
 
 use crate::support::{slider_crank, with};
 use fmu_build::archive::{self, Entry};
@@ -15,7 +15,7 @@ fn schema(name: &str) -> Value {
     serde_json::from_str(&fs::read_to_string(path).unwrap()).unwrap()
 }
 
-/// What a task prints for paths, as JSON.
+/// The JSON output of a task for paths.
 fn printed(task: &str, paths: &[&Path]) -> Value {
     let out = Command::new(env!("CARGO_BIN_EXE_fmu-build")).arg(task).args(paths).arg("--json").output().unwrap();
     serde_json::from_slice(&out.stdout).unwrap_or_else(|e| panic!("{e}: {}", String::from_utf8_lossy(&out.stderr)))
@@ -55,7 +55,7 @@ fn the_page_explains_each_field() {
 }
 
 #[test]
-fn what_check_prints_fits_its_schema() {
+fn output_of_check_conforms_to_its_schema() {
     let folder = std::env::temp_dir().join(format!("fmu-build-schemas-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("warned.json"), with("/gravity/up_angle", json!(90))).unwrap();
@@ -83,7 +83,7 @@ fn what_check_prints_fits_its_schema() {
 }
 
 #[test]
-fn what_info_prints_fits_its_schema() {
+fn output_of_info_conforms_to_its_schema() {
     let folder = std::env::temp_dir().join(format!("fmu-build-schemas-info-{}", std::process::id()));
     fs::create_dir_all(&folder).unwrap();
     fs::write(folder.join("M.json"), slider_crank().to_string()).unwrap();
@@ -93,9 +93,9 @@ fn what_info_prints_fits_its_schema() {
     archive::write(&folder.join("Gear.fmu"), entries).unwrap();
     let schema = schema("info.schema.json");
     for (path, definition) in [("M.json", json!("mechanism.json")), ("Gear.fmu", json!("mechanism.json"))] {
-        let told = printed("info", &[&folder.join(path)]);
-        assert_valid(&schema, &told);
-        assert_eq!(told["definition"], definition);
+        let output = printed("info", &[&folder.join(path)]);
+        assert_valid(&schema, &output);
+        assert_eq!(output["definition"], definition);
     }
     fs::remove_dir_all(folder).unwrap();
 }

@@ -1,4 +1,4 @@
-//! A slider-crank, texts made of it, and what is found in them.
+//! A slider-crank, texts made from it, and their findings.
 
 use fmu_build::check::{self, Checked};
 use linkage_fmu::inspection::{Fact, Severity};
@@ -36,7 +36,7 @@ pub fn with(path: &str, value: Value) -> String {
     serde_json::to_string_pretty(&all).unwrap()
 }
 
-/// Place and message of each finding of this weight, and the underlined text.
+/// Place and message of each finding with this severity, and the underlined text.
 pub fn found(text: &str, severity: Severity) -> Vec<(String, String, String)> {
     let all = checked(text);
     let located = all.findings.iter().filter(|located| located.finding.severity == severity);

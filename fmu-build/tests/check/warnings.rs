@@ -1,4 +1,4 @@
-//! Warnings: each with its key, the value and the remedy; none without cause.
+//! Warnings: each with its key, the value and the remedy. No warning without a reason.
 
 use crate::support::{checked, found, slider_crank, with};
 use fmu_build::check;
@@ -78,7 +78,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
     }
 }
 
-/// Two hinges of a door are one joint in the plane: they share its reaction, which is no fault.
+/// Two hinges of a door are one joint in the plane. They share its reaction, which is no fault.
 #[test]
 fn a_joint_that_is_given_twice_is_no_fault() {
     let hinge = json!({ "type": "revolute", "first": "rod.origin", "second": "crank.end" });
@@ -86,7 +86,7 @@ fn a_joint_that_is_given_twice_is_no_fault() {
 }
 
 #[test]
-fn friction_that_nothing_has_is_warned_of() {
+fn unused_friction_coefficients_give_a_warning() {
     let mut text = slider_crank();
     text["friction"] = json!({ "enabled": true, "static_coefficient": 0.2, "kinetic_coefficient": 0.1 });
     assert_eq!(found(&text.to_string(), Severity::Warning), [], "the guide rubs");
@@ -101,7 +101,7 @@ fn friction_that_nothing_has_is_warned_of() {
 }
 
 #[test]
-fn millimetres_beside_metres_are_warned_of() {
+fn millimetres_mixed_with_metres_give_a_warning() {
     let text = with("/bodies/extra", json!({ "fixed_to": "slider.origin", "length": 250 }));
     let found = found(&text, Severity::Warning);
     assert!(found.iter().any(|(place, text, _)| place == "bodies.extra" && text.contains("millimetres")), "{found:#?}");
@@ -119,7 +119,7 @@ fn the_same_mechanism_without_cause_gives_no_warning() {
 }
 
 #[test]
-fn settings_that_do_nothing_are_warned_of() {
+fn settings_without_effect_give_a_warning() {
     let text = with("/experiment", json!({ "stop_time": 1.0, "step_size": 10.0 }));
     assert!(found(&text, Severity::Warning).iter().any(|(path, ..)| path == "experiment.step_size"));
     let text =

@@ -1,4 +1,4 @@
-//! The examples of the pages of the elements, each in the whole file for which it is meant.
+//! The examples of the pages of the elements, each in its complete file.
 
 use crate::support::{examples, validator};
 use linkage_fmu::mechanism::Model;
@@ -21,7 +21,7 @@ const GROUPS: [&str; 12] = [
     "guess",
 ];
 
-/// Put a part of a file into a whole one: entries of groups one by one, other keys as they are.
+/// Add a part of a file to a complete file: entries of groups one by one, other keys unchanged.
 fn add_part(whole: &mut Value, part: &Value) {
     for (key, value) in part.as_object().unwrap() {
         if GROUPS.contains(&key.as_str()) {
@@ -68,7 +68,7 @@ fn every_example_runs() {
                 continue;
             }
             let value = model.real(reference).unwrap_or_else(|e| panic!("{e} in\n{text}"));
-            // As the text says of reactions where branches cross.
+            // The page describes this for reactions at crossings.
             let is_of_exchange = whole["solver"]["method"] == "rigid_fem" && variable.name.starts_with("along_curve.");
             let may_be_undefined = crosses && variable.name.contains(".force") || is_of_exchange;
             let reason = model.undefined(reference);

@@ -1,4 +1,4 @@
-//! The keys of every level: known, required; and the choices that some have.
+//! The keys of every level: known and required keys, and choices.
 
 use crate::support::{LEVELS, definition, full, keys, names_after, refusal, schema, validator};
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ fn keys_agree_at_every_level() {
         assert_eq!(definition["additionalProperties"], json!(false), "{path}");
         let known = names_after(&message, "the keys are");
         if name == "ground" {
-            // A body like others to the parser; the rest of its keys is refused by the check that follows.
+            // The parser reads the ground like other bodies. A later check rejects the rest of its keys.
             assert!(described.is_subset(&known));
             for key in known.difference(&described) {
                 let mut mechanism = full();
@@ -48,7 +48,8 @@ fn required_keys_agree_at_every_level() {
                 required.contains(key),
                 "{path}/{key}"
             );
-            // Where a key is missing to others, geometry included, the schema may see less than the check but not more.
+            // If a key is missing for other keys or for the geometry, the schema may accept what the check rejects, but
+            // not vice versa.
             assert!(!message.is_empty() || validator().is_valid(&mechanism), "{path}/{key}");
         }
         assert!(required.iter().all(|key| keys(full.pointer(path).unwrap()).contains(key)), "{path} lacks a key");

@@ -1,4 +1,4 @@
-//! The schema, the examples of the reference and the engine agree on what a mechanism is.
+//! The schema, the examples of the reference and the engine agree about valid mechanisms.
 #![allow(clippy::unwrap_used)]
 
 mod examples;

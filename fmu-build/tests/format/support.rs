@@ -1,4 +1,4 @@
-//! The schema, the examples of the reference, and a mechanism that has every element.
+//! The schema, the examples of the reference, and a mechanism with every element.
 
 use jsonschema::Validator;
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -10,8 +10,8 @@ const SCHEMA: &str = include_str!("../../../modelDescription/mechanism.schema.js
 /// The pages of the elements.
 const PAGES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../docs/reference/mechanism");
 
-/// The JSON blocks of the pages, each with its page and the whole file for which it is meant: the last one above it on
-/// the page, or the file in `files` that the page names.
+/// The JSON blocks of the pages, each with its page and its complete file: the last complete file above it on the page,
+/// or the file in `files` that the page names.
 pub fn examples() -> Vec<(String, Value, Value)> {
     let mut pages: Vec<_> = fs::read_dir(PAGES).unwrap().map(|page| page.unwrap().path()).collect();
     pages.sort();
@@ -42,7 +42,7 @@ pub fn validator() -> Validator {
     jsonschema::draft202012::new(&schema()).unwrap()
 }
 
-/// Has every element and, taken together, every key that goes with others.
+/// A mechanism with every element and, taken together, every key that can be combined with others.
 pub fn full() -> Value {
     json!({
         "$schema": "mechanism.schema.json", "name": "Full", "description": "d",
@@ -163,7 +163,7 @@ pub fn full() -> Value {
     })
 }
 
-/// Where one instance of each definition of the schema stands in the full mechanism.
+/// Path of one instance of each definition of the schema in the full mechanism.
 pub const LEVELS: [(&str, &str); 22] = [
     ("", ""),
     ("units", "/units"),
@@ -197,7 +197,7 @@ pub fn refusal(mechanism: &Value) -> Option<String> {
     Mechanism::from_json(&mechanism.to_string()).err().map(|e| e.to_string())
 }
 
-/// The names in backticks after some words of a message.
+/// The names in backticks after a word of a message.
 pub fn names_after<'a>(message: &'a str, word: &str) -> BTreeSet<&'a str> {
     let rest = message.split_once(word).unwrap_or_else(|| panic!("`{message}` lacks `{word}`")).1;
     rest.split('`').skip(1).step_by(2).collect()

@@ -1,4 +1,4 @@
-//! Values: what both accept, what both refuse, and what stands for a key that is absent.
+//! Values that both schema and engine accept, values that both reject, and defaults of missing keys.
 
 use crate::support::{LEVELS, definition, full, refusal, schema, validator};
 use linkage_fmu::mechanism::Model;
@@ -21,11 +21,11 @@ fn both_accept_the_full_mechanism_and_those_of_this_repository() {
     }
 }
 
-/// A default that is written down changes nothing.
+/// Writing a default explicitly changes nothing.
 #[test]
 fn defaults_agree() {
     let schema = schema();
-    // One load and one spring of either kind, and nothing that has a default.
+    // One load and one spring of either kind, without any key that has a default.
     let mut plain = full();
     for (path, keys) in [
         ("/gravity", "load_factor"),
@@ -54,7 +54,7 @@ fn defaults_agree() {
         model.initialize().unwrap();
         let e = model.experiment();
         let list = model.variables().list().to_vec();
-        // An efficiency that is stated has an event indicator.
+        // An explicit efficiency has an event indicator.
         let indicators = model.indicators();
         let values = (0..).zip(list).filter(|(r, v)| v.causality != Causality::Parameter && !indicators.contains(r));
         let mut value = |r, kind| match kind {
@@ -77,56 +77,70 @@ fn defaults_agree() {
         ("surface", "/surfaces/plate"),
     ]) {
         let definition = definition(&schema, name);
+        // All compatible defaults of the element together, and each of the other defaults alone.
+        let mut runs: Vec<(Value, Vec<&str>)> = vec![(plain.clone(), Vec::new())];
         for (key, property) in definition["properties"].as_object().unwrap() {
             let target = match property["$ref"].as_str() {
                 Some(path) => schema.pointer(path.trim_start_matches('#')).unwrap().clone(),
                 None => json!({}),
             };
             let Some(default) = property.get("default").or(target.get("default")) else { continue };
-            let mut mechanism = plain.clone();
-            // A section that is left out.
-            let Some(element) = mechanism.pointer_mut(path) else { continue };
-            if element.get(key).is_some() {
+            let with_default = |mechanism: &Value| {
+                let mut mechanism = mechanism.clone();
+                // None for an omitted element.
+                mechanism.pointer_mut(path)?[key] = default.clone();
+                Some(mechanism)
+            };
+            if plain.pointer(path).is_none_or(|element| element.get(key).is_some()) {
                 continue;
             }
-            element[key] = default.clone();
+            let Some(mechanism) = with_default(&plain) else { continue };
             if refusal(&mechanism).is_some() {
-                // Does not go with this element's other keys, or with the joint that it names.
+                // The key cannot be combined with other keys of this element, or with its joint.
                 let in_joint = mechanism.pointer(path).unwrap().get("joint").is_some();
                 assert!(in_joint || !validator().is_valid(&mechanism), "{path}/{key} = {default}");
                 continue;
             }
             if key == "frictionloss" {
-                // The friction law of this mechanism cannot hold at rest, which constant friction needs.
+                // The friction law of this mechanism cannot hold at rest, which constant friction requires.
                 let refused = Model::from_json(&mechanism.to_string()).unwrap_err().to_string();
                 assert!(refused.contains("write \"law\": \"stick\""), "{refused}");
                 continue;
             }
+            match with_default(&runs[0].0).filter(|together| refusal(together).is_none()) {
+                Some(together) => {
+                    runs[0].0 = together;
+                    runs[0].1.push(key);
+                }
+                None => runs.push((mechanism, vec![key])),
+            }
+        }
+        for (mechanism, keys) in runs.into_iter().filter(|(_, keys)| !keys.is_empty()) {
             let now = read(&mechanism);
-            assert_eq!(now.len(), before.len(), "{path}/{key} = {default}");
+            assert_eq!(now.len(), before.len(), "defaults of {path}: {keys:?}");
             for ((name, value), (same, known)) in now.iter().zip(&before) {
-                assert_eq!(name, same, "{path}/{key} = {default}");
-                // A default that is stated may be computed with, as an efficiency of 1: then the last digits differ, by
-                // as much as the tables resolve of values that are of the order of 10 here, accelerations of 100.
-                // Derivatives of the holding force and of the reduced mass are slopes of polynomials: each of two
-                // tables of one function misses its exact slope by up to 6e-12 of the largest.
+                assert_eq!(name, same, "defaults of {path}: {keys:?}");
+                // An explicit default may take part in the computation, such as an efficiency of 1. The last digits may
+                // then differ within the resolution of the tables, for values of the order of 10 and accelerations of
+                // 100. Derivatives of the holding force and of the reduced mass are slopes of polynomials: the slopes
+                // of two tables of one function have errors of up to 6e-12 of the largest slope.
                 let resolved = if name.ends_with("_derivative") { 1e-11 } else { 1e-13 };
                 let miss = (value - known).abs();
                 assert!(
                     miss <= resolved * known.abs().max(10.0),
-                    "{path}/{key} = {default}: {name} {value}, not {known}"
+                    "defaults of {path}: {keys:?}: {name} {value}, not {known}"
                 );
             }
-            compared += 1;
+            compared += keys.len();
         }
     }
     assert!(compared >= 30, "{compared} defaults compared");
 }
 
-/// Wrong values, by where they are put into the full mechanism: refused by both, or by the engine alone where the
-/// schema cannot know.
+/// Wrong values with their paths in the full mechanism. Both reject them, or only the engine if the schema cannot know
+/// them.
 #[test]
-fn both_refuse_what_is_wrong() {
+fn both_reject_wrong_input() {
     let validator = validator();
     let wrong: Value = serde_json::from_str(include_str!("wrong.json")).unwrap();
     let mut taken = Vec::new();

@@ -1,7 +1,7 @@
-//! Arguments of Python's calls.
+//! Arguments of calls from Python.
 //!
-//! In: objects of Python. Out: numbers, names, values of variables, or an exception that names the argument, what was
-//! given and what is expected. One rule for all calls: what a variable takes, and that no name occurs twice in a list.
+//! In: Python objects. Out: numbers, names, values of variables, or an exception with the argument, the given value and
+//! the expected value. All calls share one rule for values of variables, and for duplicate names in a list.
 
 use crate::errors::{InputError, InputTypeError, input};
 use fmu_build::start_values::{self, find};
@@ -19,7 +19,7 @@ pub fn wrong(argument: &str, given: &Bound<'_, PyAny>, expected: &str) -> PyErr 
     InputTypeError::new_err(format!("{argument} = {}: must be {expected}", shown(given)))
 }
 
-/// A value as a message shows it.
+/// A value in the form of a message.
 fn shown(given: &Bound<'_, PyAny>) -> String {
     let text = given.repr().map_or_else(|_| "this object".to_owned(), |text| text.to_string());
     match text.char_indices().nth(SHOWN) {
@@ -31,7 +31,7 @@ fn shown(given: &Bound<'_, PyAny>) -> String {
 /// A number.
 ///
 /// # Errors
-/// It is of another type, or too large for a double.
+/// The value has another type, or is too large for a double.
 pub fn number(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<f64> {
     given.extract::<f64>().map_err(|error| {
         if error.is_instance_of::<pyo3::exceptions::PyOverflowError>(given.py()) {
@@ -44,15 +44,15 @@ pub fn number(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<f64> {
 /// A number, or None.
 ///
 /// # Errors
-/// As [`number`].
+/// As for [`number`].
 pub fn optional(argument: &str, given: Option<&Bound<'_, PyAny>>) -> PyResult<Option<f64>> {
     given.map(|given| number(argument, given)).transpose()
 }
 
-/// A whole number in a range.
+/// An integer in a range.
 ///
 /// # Errors
-/// It is of another type, or out of the range.
+/// The value has another type, or is out of range.
 pub fn whole<const LEAST: i64, const MOST: i64>(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<i64> {
     let expected = || format!("a whole number from {LEAST} to {MOST}");
     if given.is_instance_of::<PyBool>() {
@@ -67,10 +67,10 @@ pub fn whole<const LEAST: i64, const MOST: i64>(argument: &str, given: &Bound<'_
     }
 }
 
-/// True or False.
+/// A Boolean.
 ///
 /// # Errors
-/// It is of another type.
+/// The value has another type.
 pub fn truth(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<bool> {
     given.extract().map_err(|_| wrong(argument, given, "True or False"))
 }
@@ -78,15 +78,15 @@ pub fn truth(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<bool> {
 /// A text.
 ///
 /// # Errors
-/// It is of another type.
+/// The value has another type.
 pub fn text(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<String> {
     given.extract().map_err(|_| wrong(argument, given, "a text"))
 }
 
-/// Names in a list, a tuple or the like, each once.
+/// Names in a list, a tuple or similar, without duplicates.
 ///
 /// # Errors
-/// This is one text or no list; an entry is no text; a name occurs twice.
+/// The argument is a text or no list; an entry is no text; a name is duplicate.
 pub fn names(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<String>> {
     if given.is_instance_of::<PyString>() {
         let expected = format!("a list of names; write {argument}=[{}]", shown(given));
@@ -105,12 +105,12 @@ pub fn names(argument: &str, given: &Bound<'_, PyAny>) -> PyResult<Vec<String>> 
     }
 }
 
-/// What a variable is set to: a number in SI units, a truth value, the name of an item, or a text as the command line
-/// has it, such as "45 deg" or "true". Of a Boolean 1 and 0 serve too, of an Enumeration the number of the item from 1
-/// on, as several values are read.
+/// The value for a variable: a number in SI units, a Boolean, the name of an item, or a text as on the command line,
+/// such as "45 deg" or "true". A Boolean may be 1 or 0, an Enumeration the number of the item from 1 on, as in arrays
+/// of values.
 ///
 /// # Errors
-/// It is none of its kind, or in another unit.
+/// The value has the wrong type, or a wrong unit.
 pub fn value(variable: &Variable, given: &Bound<'_, PyAny>) -> PyResult<Value> {
     let name = &variable.name;
     if given.is_instance_of::<PyString>() {
@@ -143,10 +143,10 @@ pub fn value(variable: &Variable, given: &Bound<'_, PyAny>) -> PyResult<Value> {
     }
 }
 
-/// What several variables are set to, by an array, a list or the like with a value for each.
+/// The values for several variables, in an array, a list or similar.
 ///
 /// # Errors
-/// This is none; it has another number of values or more dimensions; as [`value`].
+/// The argument is no list of values; it has another number of values or more dimensions; errors of [`value`].
 pub fn values<'a>(
     variables: impl ExactSizeIterator<Item = &'a Variable>,
     given: &Bound<'_, PyAny>,
@@ -171,10 +171,10 @@ pub fn values<'a>(
     variables.zip(&entries).map(|(variable, given)| value(variable, given)).collect()
 }
 
-/// Numbers in an array, a list or the like, as many as there are names in another argument.
+/// Numbers in an array, a list or similar, as many as the names in another argument.
 ///
 /// # Errors
-/// These are none, or not as many.
+/// The argument has no numbers, or a wrong number of them.
 pub fn numbers(argument: &str, given: &Bound<'_, PyAny>, count: usize) -> PyResult<Vec<f64>> {
     let expected = format!("an array or a list with {count} numbers, one for each name");
     let entries = given.try_iter().map_err(|_| wrong(argument, given, &expected))?;
@@ -185,10 +185,10 @@ pub fn numbers(argument: &str, given: &Bound<'_, PyAny>, count: usize) -> PyResu
     Ok(all)
 }
 
-/// Start values by name, in the order of the variables; None for none.
+/// Start values by name, in the order of the variables. None stands for no values.
 ///
 /// # Errors
-/// This is no dict; no variable has a name; as [`value`].
+/// The argument is no dict; a name is unknown; errors of [`value`].
 pub fn start_values(interface: &Interface, given: Option<&Bound<'_, PyAny>>) -> PyResult<Vec<(Reference, Value)>> {
     const ARGUMENT: &str = "start_values";
     let Some(given) = given else { return Ok(Vec::new()) };
@@ -202,7 +202,8 @@ pub fn start_values(interface: &Interface, given: Option<&Bound<'_, PyAny>>) -> 
         let reference = find(interface, &name).map_err(|error| input(format!("{ARGUMENT}: {error:#}")))?;
         values.push((reference, value(&interface.list()[reference as usize], &given)?));
     }
-    // As a host does it: what a value is checked against may depend on one before.
+    // Values are set in the order of the variables, like in a host, because the check of a value may depend on previous
+    // ones.
     values.sort_by_key(|(reference, _)| *reference);
     Ok(values)
 }

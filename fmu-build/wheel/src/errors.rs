@@ -1,22 +1,23 @@
-//! Exceptions, and panics as exceptions.
+//! Exceptions, also for panics.
 //!
-//! In: errors of all layers. Out: exceptions of `linkage_fmu._errors`, whose texts name arguments as Python has them.
+//! In: errors of all layers. Out: exceptions of `linkage_fmu._errors`, whose texts use the names of arguments in
+//! Python.
 
 use linkage_fmu::component::Refused;
 use pyo3::prelude::*;
 use std::fmt::Display;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-// The classes are defined in Python, where their documentation is.
+// The classes are defined in Python, together with their documentation.
 pyo3::import_exception!(linkage_fmu._errors, InputError);
 pyo3::import_exception!(linkage_fmu._errors, InputTypeError);
 pyo3::import_exception!(linkage_fmu._errors, SimulationError);
 pyo3::import_exception!(linkage_fmu._errors, InternalError);
 
-/// Options of the command line whose arguments in Python have other names.
+/// Options of the command line whose arguments have other names in Python.
 const NAMES: [(&str, &str); 2] = [("--output-variables", "output"), ("--input-file", "input")];
 
-/// A text with the names of arguments in place of options.
+/// A text with the names of arguments instead of options.
 pub fn in_python(text: &str) -> String {
     let text = NAMES.iter().fold(text.to_owned(), |text, (option, name)| text.replace(option, name));
     let mut parts = text.split("--");
@@ -36,19 +37,19 @@ pub fn input(error: impl Display) -> PyErr {
     InputError::new_err(in_python(&format!("{error:#}")))
 }
 
-/// A call that the model refuses in its present state.
+/// A call that the model rejects in its present state.
 #[cold]
 pub fn refused(error: impl Display) -> PyErr {
     SimulationError::new_err(in_python(&format!("{error:#}")))
 }
 
-/// A value that the model refuses.
+/// A value that the model rejects.
 #[cold]
 pub fn value(error: Refused) -> PyErr {
     input(error)
 }
 
-/// The answer of a function; a panic in it becomes an exception.
+/// The result of a function. A panic becomes an exception.
 #[inline]
 pub fn guarded<T>(body: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| {

@@ -1,7 +1,7 @@
-//! The extension `linkage_fmu._engine`: models, runs and tasks for the Python package around it.
+//! The extension `linkage_fmu._engine`: models, runs and tasks for the Python package.
 //!
-//! In: texts, names, numbers and buffers of Python. Out: the same, or an exception of `linkage_fmu._errors`. It
-//! converts, and computes nothing itself. It must not know how Python shows anything.
+//! In: texts, names, numbers and buffers of Python. Out: the same types, or an exception of `linkage_fmu._errors`. The
+//! extension converts data and computes nothing itself. It must not know how Python displays anything.
 
 mod arguments;
 mod errors;

@@ -1,6 +1,6 @@
 //! Many runs of a model from Python.
 //!
-//! In: names, start values run by run, a stop time. Out: the outputs of each run at the stop time, as numbers that
+//! In: names, start values for each run, a stop time. Out: the outputs of each run at the stop time, as numbers that
 //! numpy reads, and the reasons of missing values.
 
 use crate::arguments::{optional, whole};
@@ -13,14 +13,14 @@ use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 use std::thread::available_parallelism;
 
-/// Values of the outputs, run by run, and for each run with a NaN its number and the reason.
+/// Values of the outputs for each run, and for each run with a NaN its number and the reason.
 type Made<'py> = (Bound<'py, PyByteArray>, Vec<(usize, String)>);
 
-/// Most threads.
+/// Largest number of threads.
 const MOST_THREADS: i64 = 1024;
 
-/// Make runs with these start values, of which `rows` has a double for each name, run by run. The outputs are those of
-/// the plan at the stop time.
+/// Make runs with these start values. `rows` contains a double for each name, run by run. The outputs are those of the
+/// plan at the stop time.
 #[pyfunction]
 #[pyo3(signature = (model, names, rows, stop_time, plan, start_values, threads))]
 #[expect(clippy::too_many_arguments, reason = "one function of Python calls it")]

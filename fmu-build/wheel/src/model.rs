@@ -1,6 +1,6 @@
-//! A mechanism or a hydraulic model: its variables, its runs, and what it answers without time.
+//! A mechanism or a hydraulic model: its variables, its runs, and its functions without time.
 //!
-//! In: a definition's text, names, times, signals. Out: rows as bytes of the layout that numpy reads, texts.
+//! In: the text of a definition, names, times, signals. Out: rows as bytes in the layout for numpy, texts.
 
 use crate::arguments::{self, names, number, optional, whole};
 use crate::errors::{InputError, guarded, input, refused};
@@ -21,15 +21,15 @@ use pyo3::prelude::*;
 use pyo3::types::{PyByteArray, PyDict};
 use std::sync::{Mutex, PoisonError};
 
-/// Most parts of a travel.
+/// Largest number of parts of a travel.
 const MOST_PARTS: i64 = 1_000_000;
-/// Most positions of a travel at which a mechanism is linearised: each has some kB in Python.
+/// Largest number of positions of a travel at which a mechanism is linearised: each position needs some kB in Python.
 const MOST_LINEARISED: i64 = 100_000;
 
-/// Signals as Python gives them: times, and for each input its name and values.
+/// Signals from Python: times, and for each input its name and values.
 type Columns = (Vec<f64>, Vec<(String, Vec<f64>)>);
 
-/// Coordinate, inputs, outputs and holding drive of a linearisation; None and empty lists for the defaults.
+/// Coordinate, inputs, outputs and holding drive of a linearisation. None and empty lists stand for the defaults.
 type Asked<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 /// A model from its definition.
@@ -38,14 +38,14 @@ pub struct Model {
     /// Name of the definition file of its kind.
     kind: &'static str,
     text: String,
-    /// The model as the definition gives it; never changed.
+    /// The model of the definition. It is never changed.
     fresh: Mutex<Component>,
-    /// A model that a run has left, reset: the next run finds its memory.
+    /// A model of a previous run after a reset, whose memory the next run uses.
     used: Mutex<Option<Component>>,
 }
 
 impl Model {
-    /// A model of its own for a call.
+    /// A separate model for a call.
     fn component(&self) -> Component {
         self.fresh.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -109,7 +109,7 @@ impl Model {
         model.interface().list().iter().map(one).collect()
     }
 
-    /// What a run records: these variables, or all outputs.
+    /// Variables that a run records: these variables, or all outputs.
     #[pyo3(signature = (output = None))]
     fn plan(&self, output: Option<&Bound<'_, PyAny>>) -> PyResult<Plan> {
         let names = output.map_or(Ok(Vec::new()), |output| names("output", output))?;
@@ -117,7 +117,7 @@ impl Model {
         Plan::of(&model, &names)
     }
 
-    /// A run: its rows as bytes, its warnings, the error that ended it, and the time reached [s].
+    /// A run. Returns its rows as bytes, its warnings, the error that ended it, and the time reached [s].
     #[pyo3(signature = (plan, start, stop, interval, tolerance, start_values, signals, with_slopes))]
     #[expect(clippy::too_many_arguments, reason = "one function of Python calls it")]
     fn run<'py>(
@@ -163,8 +163,8 @@ impl Model {
         Ok((plan.packed(py, &rows)?, warnings, error, time))
     }
 
-    /// Along the travel in `count` equal parts: values of the named variables, and their first and second rates for
-    /// each unit of a parameter of the travel. Row by row: parameter, values, rates, second rates.
+    /// Values of the named variables along the travel in `count` equal parts, and their first and second rates with
+    /// respect to the parameter of the travel. Row by row: parameter, values, rates, second rates.
     #[pyo3(signature = (count, outputs, start_values))]
     fn travel<'py>(
         &self,
@@ -191,8 +191,8 @@ impl Model {
         packed(py, &values)
     }
 
-    /// Linearised at the start or, with `count`, along the travel: names of coordinate, inputs and outputs, and the
-    /// dictionaries of the positions.
+    /// Linearise at the start or, with `count`, along the travel. Returns the names of coordinate, inputs and outputs,
+    /// and the dictionaries of the positions.
     #[expect(clippy::type_complexity, reason = "one function of Python calls it")]
     fn linearise<'py>(
         &self,
@@ -247,7 +247,7 @@ impl Model {
         })
     }
 
-    /// The page that moves the mechanism, which messages name so.
+    /// The page with the moving mechanism. Messages use its name.
     fn page(
         &self,
         py: Python<'_>,
@@ -268,7 +268,7 @@ impl Model {
     }
 }
 
-/// A word of the engine as modelDescription.xml has it.
+/// A word of the engine in the form of modelDescription.xml.
 fn in_lower_case(word: &str) -> String {
     word.chars().take(1).flat_map(char::to_lowercase).chain(word.chars().skip(1)).collect()
 }

@@ -16,7 +16,7 @@ use pyo3::types::{PyList, PySlice};
 /// of one mechanism.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct Names {
-    /// Names, in the order given.
+    /// Names in the given order.
     names: Vec<String>,
     /// References of the variables.
     pub references: Vec<Reference>,
@@ -24,17 +24,17 @@ pub struct Names {
     pub kinds: Vec<Kind>,
     /// Whether all are Reals.
     pub are_reals: bool,
-    /// Whether all are inputs with a number, which are set without further thought.
+    /// Whether all are numeric inputs, which are set without further checks.
     pub are_inputs: bool,
     /// Hash of the interface to which the references belong.
     identity: u64,
 }
 
 impl Names {
-    /// Look the names up.
+    /// Look up the names.
     ///
     /// # Errors
-    /// These are no names; a name occurs twice; no variable has a name, and the nearest ones are named.
+    /// The argument contains no names; a name is duplicate; a name is unknown, and the message contains similar names.
     pub fn of(model: &Component, argument: &str, names: &Bound<'_, PyAny>) -> PyResult<Self> {
         let names = arguments::names(argument, names)?;
         let interface = model.interface();
@@ -47,10 +47,10 @@ impl Names {
         Ok(Self { names, references, kinds, are_reals, are_inputs, identity: model.identity()[0] })
     }
 
-    /// Whether the names were looked up in a mechanism with these variables.
+    /// Check that the names belong to a mechanism with these variables.
     ///
     /// # Errors
-    /// They belong to another one.
+    /// The names belong to another mechanism.
     pub fn belong_to(&self, model: &Component) -> PyResult<()> {
         if self.identity == model.identity()[0] {
             return Ok(());
@@ -79,8 +79,8 @@ impl Names {
     }
 }
 
-/// Call `take` with the numbers in an array of doubles or a list of numbers, as many as there are names. None if this
-/// is anything else, of which [`crate::arguments::values`] says what is wrong with it.
+/// Call `take` with the numbers in an array of doubles or a list of numbers, as many as there are names. None for any
+/// other object, for which [`crate::arguments::values`] returns the error.
 #[inline]
 pub fn with_numbers<T>(
     values: &Bound<'_, PyAny>,
@@ -115,7 +115,7 @@ pub fn array<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyAny>
 /// Write numbers into an array of doubles.
 ///
 /// # Errors
-/// It is none of this length that can be written.
+/// The object is no writable array with this length.
 pub fn write(array: &Bound<'_, PyAny>, values: &[f64]) -> PyResult<()> {
     let buffer = PyBuffer::<f64>::get(array).ok();
     let fits = |buffer: &PyBuffer<f64>| buffer.dimensions() == 1 && buffer.item_count() == values.len();

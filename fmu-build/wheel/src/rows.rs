@@ -1,7 +1,7 @@
 //! Rows of a run.
 //!
-//! In: a model with its start values, times of the rows, signals, the variables to record. Out: rows as bytes of the
-//! layout that numpy reads. A run has the steps of `cargo fmu simulate`, so that both have the same values.
+//! In: a model with its start values, times of the rows, signals, the variables to record. Out: rows as bytes in the
+//! layout for numpy. A run has the steps of `cargo fmu simulate`, so that both have the same values.
 
 use crate::errors::{InputError, input};
 use fmu_build::run::column::{Column, columns};
@@ -14,15 +14,15 @@ use linkage_fmu::variables::{Reference, Unit};
 use pyo3::prelude::*;
 use pyo3::types::PyByteArray;
 
-/// Most bytes of a result.
+/// Largest number of bytes of a result.
 pub const MOST_BYTES: f64 = 2e9;
-/// Most rows for which memory is taken before a run.
+/// Largest number of rows for which memory is reserved before a run.
 const MOST_RESERVED: usize = 1 << 16;
 
 /// Rows of a run, its warnings, the error that ended it, and the time reached [s].
 pub type Made<Rows> = PyResult<(Rows, Vec<String>, Option<String>, f64)>;
 
-/// What a run records, looked up once.
+/// Variables that a run records, looked up once.
 #[pyclass(frozen, module = "linkage_fmu._engine")]
 pub struct Plan {
     columns: Vec<Column>,
@@ -39,10 +39,10 @@ impl Plan {
 }
 
 impl Plan {
-    /// Look up these variables of a model; all outputs if there are none.
+    /// Look up these variables of a model. All outputs if there are none.
     ///
     /// # Errors
-    /// A name is not that of a variable with a number, or occurs twice.
+    /// A name is no numeric variable, or is duplicate.
     pub fn of(model: &Component, names: &[String]) -> PyResult<Self> {
         let columns = columns(model.interface(), names).map_err(input)?;
         let references = columns.iter().map(|column| find(model.interface(), &column.name));
@@ -73,7 +73,7 @@ impl Plan {
     }
 }
 
-/// Warnings of a run, and the wish of the user to end it.
+/// Warnings of a run, and the user's request to end it.
 #[derive(Default)]
 struct Observer {
     lines: Vec<String>,
@@ -91,10 +91,10 @@ impl Watch for Observer {
     }
 }
 
-/// Whether the result of a run has room.
+/// Check that the result of a run fits into the memory.
 ///
 /// # Errors
-/// It would have too many rows.
+/// The result would have too many rows.
 pub fn fits(span: &Span, plan: &Plan) -> PyResult<()> {
     let rows = ((span.stop - span.start) / span.interval).ceil() + 1.0;
     let columns = 1 + plan.columns.len();
@@ -112,7 +112,7 @@ pub fn fits(span: &Span, plan: &Plan) -> PyResult<()> {
     )))
 }
 
-/// Make a run: its rows, its warnings, why it ended early, and the time reached [s].
+/// Make a run. Returns its rows, its warnings, the reason of an early end, and the time reached [s].
 pub fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) -> Made<Vec<f64>> {
     let Plan { columns, references } = plan;
     let width = 1 + columns.len();
@@ -144,12 +144,12 @@ pub fn made(model: &mut Component, span: &Span, signals: &Signals, plan: &Plan) 
     }
     let names: Vec<&str> = columns.iter().map(|column| &*column.name).collect();
     watch.lines.extend(missing.lines(&names));
-    // A row that a refused value has cut short is left out.
+    // An incomplete row after a rejected value is removed.
     rows.truncate(rows.len() / width * width);
     Ok((rows, watch.lines, ended.err().map(|error| format!("{error:#}")), reached))
 }
 
-/// Numbers as the bytes that numpy reads.
+/// Numbers as bytes for numpy.
 pub fn packed<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyByteArray>> {
     PyByteArray::new_with(py, 8 * values.len(), |bytes| {
         for (place, value) in bytes.as_chunks_mut::<8>().0.iter_mut().zip(values) {

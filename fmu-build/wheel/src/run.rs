@@ -1,6 +1,6 @@
 //! A model with its time: steps, and values by name from Python.
 //!
-//! In: names, values of Python, steps. Out: values, exceptions. It must not know who shares it.
+//! In: names, values of Python, steps. Out: values, exceptions. The module must not know how threads share it.
 
 use crate::arguments;
 use crate::errors::{SimulationError, input, refused, value};
@@ -51,7 +51,7 @@ impl Run {
         Ok(())
     }
 
-    /// Step to a time; with `at_event` only to the first event. What happened there.
+    /// Step to a time, or with `at_event` only to the first event. Returns texts about the event.
     pub fn run_until(&mut self, time: f64, at_event: bool) -> PyResult<Vec<String>> {
         self.is_ready()?;
         let h = time - self.time;
@@ -92,7 +92,7 @@ impl Run {
         outcome
     }
 
-    /// Set Reals: inputs and, within a run, tunable parameters act from now on; any other parameter ends the run.
+    /// Set Reals. Inputs and, during a run, tunable parameters act from now on. Any other parameter ends the run.
     fn set_reals(&mut self, references: &[Reference], values: &[f64]) -> PyResult<()> {
         let mut set: Vec<(Reference, f64)> = references.iter().copied().zip(values.iter().copied()).collect();
         let is = |run: &Self, reference: Reference| {
@@ -114,7 +114,8 @@ impl Run {
                 .try_for_each(|(reference, number)| self.model.take_real(*reference, *number).map_err(value));
         }
         let ends = set.iter().any(|(reference, _)| is(self, *reference)[0]);
-        // As a host does it: what a value is checked against may depend on one before.
+        // Values are set in the order of the variables, like in a host, because the check of a value may depend on
+        // previous ones.
         set.sort_by_key(|(reference, _)| *reference);
         for together in set.chunks(self.model.most_together()) {
             let (references, values): (Vec<_>, Vec<_>) = together.iter().copied().unzip();
@@ -124,7 +125,7 @@ impl Run {
         Ok(())
     }
 
-    /// Set variables, all or none.
+    /// Set variables: all or none.
     pub fn assign(&mut self, values: Vec<(Reference, Value)>) -> PyResult<()> {
         let (mut references, mut numbers) = (Vec::new(), Vec::new());
         for (reference, given) in &values {
@@ -175,7 +176,7 @@ impl Run {
         }
     }
 
-    /// The numbers of several variables; of a Boolean 1 or 0, of an Enumeration the number of the item from 1 on.
+    /// The numbers of several variables. A Boolean is 1 or 0, an Enumeration is the number of its item from 1 on.
     pub fn numbers(&mut self, names: &Names, values: &mut Vec<f64>) -> PyResult<()> {
         names.belong_to(&self.model)?;
         if names.are_reals {
@@ -191,7 +192,7 @@ impl Run {
         Ok(())
     }
 
-    /// Set several variables to the values in an array or a list, all or none.
+    /// Set several variables to the values in an array or a list: all or none.
     pub fn set_all(&mut self, names: &Names, given: &Bound<'_, PyAny>) -> PyResult<()> {
         names.belong_to(&self.model)?;
         if names.are_reals

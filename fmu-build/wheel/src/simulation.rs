@@ -1,7 +1,7 @@
-//! A model with its time, as Python steps it.
+//! A model with its time, for steps from Python.
 //!
-//! In: values by names, steps. Out: values, saved states. One thread at a time uses a simulation; the interpreter's
-//! lock is released while [`Simulation::run_until`] computes.
+//! In: values by names, steps. Out: values, saved states. One thread at a time uses a simulation. The interpreter lock
+//! is released while [`Simulation::run_until`] computes.
 
 use crate::arguments::{number, numbers, text, truth, whole, wrong};
 use crate::errors::{SimulationError, guarded, input, refused, value};
@@ -25,7 +25,7 @@ pub struct State {
     is_initialized: bool,
 }
 
-/// A simulation that is held by this call.
+/// A simulation that this call has locked.
 struct Held<'a>(MutexGuard<'a, Option<Run>>);
 
 impl Held<'_> {

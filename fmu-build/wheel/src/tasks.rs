@@ -1,6 +1,6 @@
 //! The tasks of the command line as functions, and the command itself.
 //!
-//! In: paths, texts, a function to call on the way. Out: what a task gives, as JSON or paths, and what it prints.
+//! In: paths, texts, a function to report progress. Out: the result of a task, as JSON or paths, and its printed text.
 
 use crate::arguments::{names, text, whole};
 use crate::errors::{guarded, in_python, input, refused};
@@ -23,7 +23,7 @@ use std::sync::atomic::Ordering;
 /// Folder of the package.
 static PACKAGE: OnceLock<PathBuf> = OnceLock::new();
 
-/// The installation, or the repository for a build for development.
+/// The installation, or the repository for a development build.
 fn workspace() -> Result<Workspace> {
     let package = PACKAGE.get().map_or(Path::new("."), PathBuf::as_path);
     match Workspace::installed(package) {
@@ -32,17 +32,17 @@ fn workspace() -> Result<Workspace> {
     }
 }
 
-/// State where the package is and which interpreter runs it; the folder of its files.
+/// State the folder of the package and its interpreter. Returns the folder of its files.
 #[pyfunction]
 pub fn folder(package: OsString, interpreter: Option<OsString>) -> Option<OsString> {
-    // Texts and no paths: Python's module for these would be most of the import.
+    // Texts instead of paths: Python's module for paths would take most of the import time.
     let _ = PACKAGE.set(package.into());
     interpreter.into_iter().for_each(|interpreter| fmu_cli::python::runs_in(interpreter.into()));
-    prebuilt::reads_by(unpacked);
+    prebuilt::set_reader(unpacked);
     workspace().ok().map(|workspace| workspace.root().as_os_str().to_owned())
 }
 
-/// A file in an archive, by Python's module for archives.
+/// A file in an archive, read by Python's module for archives.
 fn unpacked(archive: &Path, name: &str) -> Result<Vec<u8>> {
     let read = |py: Python<'_>| -> PyResult<Vec<u8>> {
         let archive = py.import("tarfile")?.call_method1("open", (archive,))?;
@@ -56,7 +56,7 @@ fn unpacked(archive: &Path, name: &str) -> Result<Vec<u8>> {
     )
 }
 
-/// The command: its words, the program's name first; the exit code.
+/// The command with its words, of which the first is the name of the program. Returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
     py.detach(|| {
@@ -66,7 +66,7 @@ pub fn main(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
                 Ok(workspace) => task::run(&workspace, cli, fmu_studies::task::run),
                 Err(error) => task::refused(&error),
             };
-            // An exit code cannot be asked for its number.
+            // An exit code cannot be converted to its number.
             let number = (0..=u8::MAX).find(|number| code == ExitCode::from(*number));
             Ok(number.unwrap_or(1))
         })
@@ -78,7 +78,7 @@ pub fn main(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
 pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, String, String)> {
     py.detach(|| {
         guarded(|| {
-            // Only folders of the repository are treated in a way of their own, so that any workspace serves.
+            // Only folders of the repository are special, so any workspace can be used.
             let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
             let Definition { shown, kind, text } = Definition::read(&workspace, &path).map_err(input)?;
             Ok((kind, shown, text))
@@ -92,7 +92,7 @@ pub fn kind_of(text: &str) -> &'static str {
     Component::kind_of(text).unwrap_or(Component::definition_files()[0])
 }
 
-/// Findings and facts of a definition as JSON, and in words.
+/// Findings and facts of a definition as JSON and as text.
 #[pyfunction]
 pub fn check(py: Python<'_>, kind: &str, text: String, shown: String) -> PyResult<(String, String)> {
     py.detach(|| {
@@ -104,7 +104,7 @@ pub fn check(py: Python<'_>, kind: &str, text: String, shown: String) -> PyResul
     })
 }
 
-/// Pack definitions; the paths of the FMUs, and what was printed.
+/// Pack definitions. Returns the paths of the FMUs, and the printed text.
 #[pyfunction]
 pub fn package(
     py: Python<'_>,
@@ -143,7 +143,7 @@ pub fn package(
     })
 }
 
-/// What a model offers to a host, in words and as JSON.
+/// The interface of a model as text and as JSON.
 #[pyfunction]
 pub fn info(py: Python<'_>, path: PathBuf) -> PyResult<(String, String)> {
     py.detach(|| {
@@ -166,8 +166,8 @@ pub fn validate(py: Python<'_>, path: PathBuf) -> PyResult<String> {
     })
 }
 
-/// Make the runs of a study into a folder; what was printed. `watch` is called with the number of runs done and that of
-/// all.
+/// Make the runs of a study into a folder. Returns the printed text. `watch` is called with the number of completed
+/// runs and of all runs.
 #[pyfunction]
 pub fn sweep(
     py: Python<'_>,
@@ -181,7 +181,7 @@ pub fn sweep(
     observed(py, watch, |workspace, watch| studies::run(workspace, &arguments, Some(watch)))
 }
 
-/// Search for the best design of a study into a folder; what was printed. `watch` is called as for [`sweep`].
+/// Search for the best design of a study into a folder. Returns the printed text. `watch` is called as for [`sweep`].
 #[pyfunction]
 pub fn optimise(
     py: Python<'_>,
@@ -199,7 +199,7 @@ fn number_of_threads(given: Option<&Bound<'_, PyAny>>) -> PyResult<Option<u16>> 
     given.map(|given| whole::<1, { u16::MAX as i64 }>("threads", given).map(|threads| threads as u16)).transpose()
 }
 
-/// Make a study that Python watches; what was printed.
+/// Make a study with a progress function in Python. Returns the printed text.
 fn observed(
     py: Python<'_>,
     watch: Option<Py<PyAny>>,
@@ -210,7 +210,7 @@ fn observed(
             let wish = progress::stop_wish_of_host();
             wish.store(false, Ordering::Relaxed);
             let raised: RefCell<Option<PyErr>> = RefCell::new(None);
-            let told = |done: u64, all: u64| {
+            let report = |done: u64, all: u64| {
                 let call = |py: Python<'_>| -> PyResult<()> {
                     py.check_signals()?;
                     watch.as_ref().map_or(Ok(()), |watch| watch.call1(py, (done, all)).map(drop))
@@ -221,7 +221,7 @@ fn observed(
                 }
             };
             let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            let (outcome, printed) = output::collected(|| make(&workspace, &told));
+            let (outcome, printed) = output::collected(|| make(&workspace, &report));
             match (raised.into_inner(), outcome) {
                 (Some(error), _) => Err(error),
                 (None, Ok(_)) => Ok(in_python(&printed)),

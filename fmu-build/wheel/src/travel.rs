@@ -10,7 +10,7 @@ use linkage_fmu::variables::{Causality, Kind, Reference};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Positions along a travel between two looks at Ctrl-C.
+/// Number of positions along a travel between two checks for Ctrl-C.
 const POSITIONS_PER_LOOK: usize = 1 << 12;
 
 /// Name of the rate of a position.
@@ -54,7 +54,7 @@ pub fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<
         rows.push(sigma);
         model.set_continuous_states(&[sigma, 0.0]).map_err(no_value)?;
         model.reals(&references, |value| rows.push(value)).map_err(refused)?;
-        // With this speed, rates in time are those along the travel.
+        // With this speed, rates in time are rates along the travel.
         model.set_continuous_states(&[sigma, 1.0]).map_err(no_value)?;
         for &reference in &references {
             rows.push(model.output_derivative(reference, 1).unwrap_or(f64::NAN));
@@ -66,7 +66,7 @@ pub fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<
     Ok(rows)
 }
 
-/// A linearisation for Python; a matrix is a list of rows.
+/// A linearisation as a Python dictionary. A matrix is a list of rows.
 pub fn dictionary<'py>(py: Python<'py>, at: &Linearised) -> PyResult<Bound<'py, PyDict>> {
     let dict = PyDict::new(py);
     dict.set_item("position", at.coordinate)?;

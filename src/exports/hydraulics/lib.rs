@@ -1,8 +1,8 @@
-//! The shared library that goes into every FMU with hydraulics: of a hydraulic actuator, a hydraulic system, or a
-//! mechanism that hydraulics drive.
+//! The shared library of every FMU with hydraulics: a hydraulic actuator, a hydraulic system, or a mechanism with
+//! hydraulic drives.
 //!
-//! In: the functions of FMI 2.0 and 3.0. Out: a library that exports these, by their names in C, and nothing else. It
-//! must not know what they do.
+//! In: the functions of FMI 2.0 and 3.0. Out: a library that exports only these functions, by their C names. Must not
+//! know: what they do.
 #![allow(unsafe_code, non_snake_case, clippy::missing_safety_doc)]
 
 use linkage_fmu::component::{KINDS, ModelKind};

@@ -1,4 +1,4 @@
-//! The shared library as the loader of an importer sees it: what it exports, and what it needs.
+//! Exports and dependencies of the shared library, which the loader of an importer reads.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(clippy::unwrap_used)]
 
@@ -11,10 +11,10 @@ use std::path::PathBuf;
 const FUNCTIONS: [(&str, usize); 2] = [("fmi2", 44), ("fmi3", 75)];
 /// Libraries that every Linux with glibc has.
 const NEEDED: [&str; 4] = ["libgcc_s.so.1", "libm.so.6", "libc.so.6", "ld-linux-x86-64.so.2"];
-/// Version of glibc that docs/reference/fmi.md names.
+/// Version of glibc stated in docs/reference/fmi.md.
 const GLIBC: (u32, u32) = (2, 35);
 
-/// The library that cargo builds beside this test, from the same sources as the packed one.
+/// The library that cargo builds in the folder of this test, from the same sources as the packed library.
 fn library() -> Vec<u8> {
     let folder = std::env::current_exe().unwrap().parent().unwrap().to_owned();
     let name = "liblinkage_fmu_exports.so";

@@ -1,5 +1,5 @@
-//! The library in the hands of an importer: the same bits as through the linked functions, resources that lie next to
-//! it, and refusals of what is no FMU.
+//! The library loaded by an importer: results identical to those of the linked functions, resources found from the path
+//! of the library, and errors for files that are not FMUs.
 #![allow(clippy::unwrap_used)]
 
 use linkage_fmu::fmi2::host::{Description, logger};
@@ -15,7 +15,7 @@ const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescriptio
 const HYDRAULIC: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../modelDescription/LandingGearRetractionHydraulic");
 
 /// The library that Cargo builds before the tests.
-fn own() -> PathBuf {
+fn library_file() -> PathBuf {
     std::env::current_exe().unwrap().with_file_name(format!("{DLL_PREFIX}linkage_fmu_exports{DLL_SUFFIX}"))
 }
 
@@ -24,10 +24,10 @@ fn gear() -> Arc<Description> {
 }
 
 #[test]
-fn a_loaded_library_answers_as_the_linked_functions() {
+fn a_loaded_library_gives_the_results_of_the_linked_functions() {
     let resources = format!("file://{FOLDER}/resources");
     let gear = gear();
-    let library = Library::open(own().as_os_str(), gear.interface().guid(), &resources).unwrap();
+    let library = Library::open(library_file().as_os_str(), gear.interface().guid(), &resources).unwrap();
     let loaded = library.instantiate("gear", Some(logger())).unwrap();
     loaded.set_up(0.0, None).unwrap();
     let linked = gear.instantiate(Some(logger()), true).unwrap();
@@ -47,14 +47,14 @@ fn a_loaded_library_answers_as_the_linked_functions() {
     }
     let [seen, a] = loaded.reals(&[angle, acceleration]).unwrap();
     assert_eq!(seen.to_bits(), linked.get("crank.angle").unwrap().to_bits());
-    // The force counts in the acceleration by 1/m, and its rate in that of the acceleration.
+    // The derivative of the acceleration by the force is 1/m, with the reduced mass m. The same holds for their rates.
     let mobility = loaded.derivative(acceleration, force).unwrap();
     assert!((mobility * linked.get("actuator.reduced_mass").unwrap() - 1.0).abs() < 1e-12);
     let rate = loaded.rate(acceleration).unwrap();
     loaded.set_derivatives(force, &[1e3, 0.0]).unwrap();
     assert!((loaded.rate(acceleration).unwrap() - rate - 1e3 * mobility).abs() < 1e-9 * rate.abs());
     assert!(a.is_finite());
-    // Back to the start, and the same again.
+    // Restored to the start, the same steps give the same values.
     loaded.restore(&state).unwrap();
     (0..20).for_each(|k| loaded.step(1e-3 * f64::from(k), 1e-3).unwrap());
     assert_eq!(loaded.reals(&[angle]).unwrap()[0].to_bits(), seen.to_bits());
@@ -70,8 +70,8 @@ fn resources_are_found_next_to_the_library() {
     let (binaries, resources) = (folder.join("binaries/linux64"), folder.join("resources"));
     fs::create_dir_all(&binaries).unwrap();
     fs::create_dir_all(&resources).unwrap();
-    let file = binaries.join("Gear").with_extension(own().extension().unwrap());
-    fs::copy(own(), &file).unwrap();
+    let file = binaries.join("Gear").with_extension(library_file().extension().unwrap());
+    fs::copy(library_file(), &file).unwrap();
     fs::copy(Path::new(FOLDER).join("resources/mechanism.json"), resources.join("mechanism.json")).unwrap();
     let library = Library::open(file.as_os_str(), gear().interface().guid(), "").unwrap();
     library.instantiate("gear", Some(logger())).unwrap();
@@ -79,22 +79,23 @@ fn resources_are_found_next_to_the_library() {
 }
 
 #[test]
-fn a_mechanism_with_hydraulics_is_refused_with_the_remedy() {
+fn a_mechanism_with_hydraulics_is_rejected_with_the_remedy() {
     let described = Description::read(Path::new(HYDRAULIC)).unwrap();
     let resources = format!("file://{HYDRAULIC}/resources");
-    let library = Library::open(own().as_os_str(), described.interface().guid(), &resources).unwrap();
+    let library = Library::open(library_file().as_os_str(), described.interface().guid(), &resources).unwrap();
     let refused = library.instantiate("gear", Some(logger())).unwrap_err();
     assert!(refused.contains("without hydraulics") && refused.contains("cargo fmu package"), "{refused}");
 }
 
 #[test]
-fn what_is_no_fmu_is_refused_by_name() {
+fn a_file_that_is_not_an_fmu_gives_an_error_with_its_name() {
     let refusal = |path: &OsStr, guid: &str| Library::open(path, guid, "").unwrap_err();
     assert!(refusal(OsStr::new("/nowhere/x.so"), "").contains("/nowhere/x.so: "));
     if cfg!(target_os = "linux") {
         assert!(refusal(OsStr::new("libm.so.6"), "").contains("libm.so.6: the library does not export fmi2"));
     }
-    let library = Library::open(own().as_os_str(), "{another}", &format!("file://{FOLDER}/resources")).unwrap();
+    let library =
+        Library::open(library_file().as_os_str(), "{another}", &format!("file://{FOLDER}/resources")).unwrap();
     let refused = library.instantiate("gear", Some(logger())).unwrap_err();
     assert!(refused.contains("fmi2Instantiate: refused") && refused.contains("{another}"), "{refused}");
 }

@@ -1,4 +1,4 @@
-//! Expressions against the same arithmetic in Rust, and texts that are none.
+//! Expressions compared with the same arithmetic in Rust, and texts that are not expressions.
 use super::*;
 use proptest::prelude::*;
 
@@ -38,7 +38,7 @@ fn precedence_is_the_usual_one() {
     ] {
         assert_eq!(value(text), expected, "{text}");
     }
-    // From left to right: the two sums differ in the last bit.
+    // Sums from left to right: the two sums differ in the last bit.
     assert_eq!(value("0.1+0.2+0.3"), 0.1 + 0.2 + 0.3);
     assert_eq!(value("0.1+(0.2+0.3)"), 0.1 + (0.2 + 0.3));
     assert_eq!(value("0.1*3*x"), 0.1 * 3.0 * 3.0);
@@ -46,7 +46,7 @@ fn precedence_is_the_usual_one() {
 }
 
 #[test]
-fn what_is_no_expression_is_named() {
+fn texts_that_are_not_expressions_give_named_errors() {
     for (text, said) in [
         ("", "the text is empty"),
         (" ", "the text is empty"),
@@ -85,7 +85,7 @@ fn what_is_no_expression_is_named() {
     assert_eq!(value(&("sin(".repeat(30) + "0" + &")".repeat(30))), 0.0);
 }
 
-/// An expression as a tree, which knows its value and its text.
+/// An expression as a tree, with its value and its text.
 #[derive(Clone, Debug)]
 enum Tree {
     Number(f64),
@@ -116,7 +116,7 @@ impl Tree {
         }
     }
 
-    /// The text with the parentheses that are needed, where `binds` is the least strength that needs none.
+    /// The text with the necessary parentheses. `binds` is the lowest precedence without parentheses.
     fn text(&self, binds: u8) -> String {
         let (strength, text) = match self {
             Self::Number(number) => (3, number.to_string()),
@@ -159,7 +159,7 @@ proptest! {
     }
 
     #[test]
-    fn no_text_does_harm(text in "[-+*/^(),.0-9a-z{}~ éE]{0,60}") {
+    fn any_text_is_read_without_a_panic(text in "[-+*/^(),.0-9a-z{}~ éE]{0,60}") {
         if let Ok(expression) = Expression::new(&text) {
             expression.evaluate(|_| 1.5);
         }

@@ -1,4 +1,4 @@
-//! Steps of an integration: by the method that suits, and once more from the same start.
+//! Steps of an integration with the chosen method, and shorter steps from the same start.
 use super::memory::{Begin, Integrator};
 use super::sizes::starting_step;
 use crate::integrator::methods::{dop853::Dop853, dopri5::Dopri5, rk4::Rk4, rkn86::Rkn86};
@@ -7,10 +7,10 @@ use crate::integrator::step::{FOREIGN, Stages, Step};
 use crate::integrator::{Dense, IntegrationError, Method, System};
 
 impl<const N: usize> Integrator<N> {
-    /// Advance `y` by exactly `span` > 0 [s].
+    /// Advances `y` by exactly `span` > 0 [s].
     ///
     /// # Errors
-    /// [`IntegrationError::StepTooSmall`]; `y` and the memory are then those of the last accepted step.
+    /// [`IntegrationError::StepTooSmall`]. `y` and the memory are then those of the last accepted step.
     pub fn advance<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -21,8 +21,8 @@ impl<const N: usize> Integrator<N> {
         self.advance_from(system, &mut 0.0, y, span, tolerance, u64::MAX).map(|_| ())
     }
 
-    /// [`Self::advance`] from the time `t` [s] within the span, until [`Self::attempts`] has come to `most`. Returns
-    /// whether the end of the span is reached; else (t, y) is the last accepted step's end.
+    /// [`Self::advance`] from the time `t` [s] within the span, until [`Self::attempts`] reaches `most`. Returns
+    /// whether the end of the span is reached. Otherwise (t, y) is the end of the last accepted step.
     ///
     /// # Errors
     /// As [`Self::advance`].
@@ -49,7 +49,7 @@ impl<const N: usize> Integrator<N> {
         Ok(true)
     }
 
-    /// One accepted step from (t, y) towards `end`, not past it; the step that reaches it ends there exactly.
+    /// One accepted step from (t, y) towards `end`. The last step ends exactly at `end`.
     ///
     /// # Errors
     /// [`IntegrationError::StepTooSmall`].
@@ -84,8 +84,8 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// [`Self::step`] of order 8, whose interpolant is within the tolerance: for a step that goes on beyond the end of
-    /// a span.
+    /// [`Self::step`] of order 8, whose interpolant is within the tolerance. For a step that may extend beyond the end
+    /// of a span.
     ///
     /// # Errors
     /// As [`Self::step`].
@@ -106,7 +106,7 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// What the first attempt at a step from (t, y) starts with.
+    /// Data for the first attempt at a step from (t, y).
     #[inline(always)]
     fn begin<S: System<N>>(
         &mut self,
@@ -132,9 +132,8 @@ impl<const N: usize> Integrator<N> {
         Ok(begin)
     }
 
-    /// The step of exactly size h [s], 0 < h <= step.h, from the start of `step`, by its method and without error
-    /// control;
-    /// `step` is the last one made. The integration goes on from its end: as it is, or after [`Self::refresh`] or
+    /// Repeats `step`, which must be the last step, with exactly the size h [s], 0 < h <= step.h, by its method and
+    /// without error control. The integration continues from the new end, directly or after [`Self::refresh`] or
     /// [`Self::restart`].
     pub fn retake<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) -> Step<N> {
         match &step.stages {
@@ -167,8 +166,8 @@ impl<const N: usize> Integrator<N> {
         Step::new(&start, h, false, outcome)
     }
 
-    /// Go back to the start of the last step, which was too long for its interpolant; the next one has the size h [s].
-    /// Where stiffness made it too long, Radau takes over.
+    /// Returns to the start of the last step, which was too long for its interpolant. The next step has the size h [s].
+    /// If stiffness is the reason, the next step is a Radau step.
     pub fn take_back<S: System<N>>(&mut self, system: &mut S, step: &Step<N>, h: f64) {
         self.refresh();
         (self.derivative, self.carry, self.before) = (Some(step.first()), step.carry, None);
@@ -178,7 +177,7 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// [`Step::dense`], its evaluations counted.
+    /// [`Step::dense`], with its evaluations counted.
     pub fn dense<S: System<N>>(&mut self, system: &mut S, step: &Step<N>) -> Dense<N> {
         self.statistics.evaluations += step.dense_evaluations();
         step.dense(system)

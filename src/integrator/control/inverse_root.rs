@@ -6,22 +6,22 @@ const DIGITS: u32 = 52;
 const BIAS: f64 = 1023.0;
 const MANTISSA: u64 = (1 << DIGITS) - 1;
 
-/// x^(-1/n), within a part in 200 for n >= 4 and x > 0, normal; for smaller x, 0 among them, something larger than for
-/// any normal x, and finite.
+/// x^(-1/n) with a relative error below 1/200, for n >= 4 and normal x > 0. For smaller x and 0: a finite number larger
+/// than for any normal x.
 ///
-/// Step sizes need no more, and every step pays for it. It is 2^(-log2(x) / n): with x = 2^e (1 + m), 0 <= m < 1,
-/// log2(1 + m) is m + 0.3463 m (1 - m) within 0.007; 2^m, |m| <= 1/2, is its series up to m^3 within 0.0008. Unlike the
-/// power of a mathematical library it is the same number on every platform.
+/// This accuracy is sufficient for step sizes, and every step needs the computation. The result is 2^(-log2(x) / n).
+/// With x = 2^e (1 + m), 0 <= m < 1, log2(1 + m) is m + 0.3463 m (1 - m) within 0.007. 2^m, |m| <= 1/2, is its series
+/// up to m^3 within 0.0008. Unlike the power of a mathematical library, the result is identical on every platform.
 #[inline]
 pub fn inverse_root(x: f64, n: f64) -> f64 {
     const LOGARITHM: f64 = 0.3463;
     const POWER: [f64; 3] = [LN_2, LN_2 * LN_2 / 2.0, LN_2 * LN_2 * LN_2 / 6.0];
-    /// A sum with it is rounded to an integer, which is the last digits of the sum's mantissa.
+    /// Adding this number rounds a sum to an integer, which is then in the last digits of the mantissa.
     const TO_INTEGER: f64 = 1.5 * (1u64 << DIGITS) as f64;
     let m = f64::from_bits(x.to_bits() & MANTISSA | 1f64.to_bits()) - 1.0;
     let exponent = (x.to_bits() >> DIGITS) as i32;
     let logarithm = f64::from(exponent) - BIAS + m * (1.0 + LOGARITHM * (1.0 - m));
-    // The exponent as it is stored, from 1 on.
+    // The exponent as stored, from 1 on.
     let stored = BIAS - logarithm * (1.0 / n);
     let whole = stored + TO_INTEGER;
     let m = stored - (whole - TO_INTEGER);

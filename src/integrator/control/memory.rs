@@ -1,4 +1,4 @@
-//! Memory of an integration from step to step.
+//! Memory of an integration between steps.
 use super::stiffness::Stiffness;
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::kept::Kept;
@@ -7,41 +7,41 @@ use crate::integrator::pair::{Outcome, Pair, Path, Start};
 use crate::integrator::step::{Stages, Step};
 use crate::integrator::{Method, Statistics, System};
 
-/// Number of methods that are tried over a whole span, the first ones of [`Method`].
+/// Number of methods that are tried over a whole span: the first ones of [`Method`].
 const WHOLE_SPAN: usize = 2;
-/// Factor by which a step of a dearer method lengthens the spans up to which a cheaper one is tried again.
+/// Factor by which a step of a more expensive method lengthens the spans up to which a cheaper method is tried again.
 const TRY_AGAIN: f64 = 1.01;
 
-/// What the first attempt at a step starts with.
+/// Data for the first attempt at a step.
 pub struct Begin<const N: usize> {
     pub start: Start<N>,
     /// Time to the end of the span [s].
     pub rest: f64,
-    /// Sizes of the components.
+    /// Scales of the components.
     pub scale: [f64; N],
-    /// Step size that the error control proposes [s].
+    /// Step size proposed by the error control [s].
     pub wish: f64,
 }
 
 /// Memory of the integration between spans: proposed step size, last derivative, compensation of the sums, and the
-/// history that the choice of the method needs.
+/// history for the choice of the method.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Integrator<const N: usize> {
-    /// Step size that the error control proposes next [s]; none before the first step.
+    /// Next step size proposed by the error control [s]. None before the first step.
     pub(super) proposal: Option<f64>,
     /// Derivative at the present point, while it is valid.
     pub(super) derivative: Option<[f64; N]>,
-    /// Rounding that the last sums have lost, component by component.
+    /// Rounding error of the last sums, component by component (compensation).
     pub(super) carry: [f64; N],
     pub(super) stiffness: Stiffness,
-    /// Span up to which one step of RK4, and one of DOPRI5, has met its share of the tolerance, as far as is known [s].
+    /// Span [s] up to which one step of RK4, and one of DOPRI5, is expected to meet its share of the tolerance.
     pub(super) longest_span: [f64; WHOLE_SPAN],
-    /// Size [s] of the last step, and the factor by which it could have been larger; none if that is unknown, as after
-    /// Radau.
+    /// Size [s] of the last step, and the factor by which it could have been larger. None if the factor is unknown, for
+    /// example after a Radau step.
     pub(super) last: Option<(f64, f64)>,
-    /// The last step, if it was one of Radau.
+    /// The last step, if it was a Radau step.
     pub(super) before: Option<Collocation<N>>,
-    /// Jacobian that implicit steps keep from step to step; without a place for one each step takes a new one.
+    /// Jacobian that implicit steps share. If None, each implicit step computes a new Jacobian.
     pub(super) kept: Option<Box<Kept<N>>>,
     pub(super) method: Method,
     pub(super) statistics: Statistics,
@@ -65,7 +65,7 @@ impl<const N: usize> Default for Integrator<N> {
 }
 
 impl<const N: usize> Integrator<N> {
-    /// With a place for a Jacobian, which implicit steps then keep.
+    /// An integrator whose implicit steps share a Jacobian.
     pub fn keeping() -> Self {
         Self { kept: Some(Box::default()), ..Self::default() }
     }
@@ -87,24 +87,24 @@ impl<const N: usize> Integrator<N> {
         self.statistics.accepted + self.statistics.rejected
     }
 
-    /// Count evaluations that a search within a step has made.
+    /// Counts evaluations of a search within a step.
     pub fn count_evaluations(&mut self, evaluations: u64) {
         self.statistics.evaluations += evaluations;
     }
 
-    /// Count the work of another integration as this one's.
+    /// Adds the work of another integration.
     pub fn count(&mut self, other: &Self) {
         self.statistics.add(&other.statistics);
     }
 
-    /// All fields, written or read.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A field is read that no integration leaves.
+    /// A field that was read has a value that no integration can produce.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.option("proposed step", &mut self.proposal, || 0.0, |record, h| record.positive("proposed step", h))?;
         let blank = || [0.0; N];
-        // Where friction locks, the derivative has no value; it is evaluated again.
+        // In a self-locking state, the derivative has no finite value. It is evaluated again after reading.
         let mut derivative = self.derivative.filter(|f| f.iter().all(|f| f.is_finite()));
         record.option("derivative", &mut derivative, blank, |record, f| record.all_finite("derivative", f))?;
         if record.reads() {
@@ -134,8 +134,8 @@ impl<const N: usize> Integrator<N> {
         self.statistics.record(record)
     }
 
-    /// Become the same as another one, without allocation. The stages of an implicit step and its Jacobian, more than
-    /// all the rest, are copied only if there are some.
+    /// Copies `other` without allocation. The stages of an implicit step and its Jacobian, which are larger than all
+    /// other fields, are copied only if they exist.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
         let Self { proposal, derivative, carry, stiffness, longest_span, last, before, kept, method, statistics } =
@@ -156,38 +156,38 @@ impl<const N: usize> Integrator<N> {
         self.method
     }
 
-    /// The right-hand side has changed (new inputs): forget the last derivative, keep the step size.
+    /// After a change of the right-hand side (new inputs): discards the last derivative and keeps the step size.
     pub fn refresh(&mut self) {
         self.derivative = None;
         self.last = None;
     }
 
-    /// [`Self::refresh`], with the rates at the present point, which somebody has evaluated.
+    /// [`Self::refresh`], with the known rates at the present point.
     pub fn begin_with(&mut self, rates: [f64; N]) {
         self.refresh();
         self.derivative = Some(rates);
     }
 
-    /// Go on from a state on the interpolant of the last step.
+    /// Continues from a state on the interpolant of the last step.
     pub fn branch_off(&mut self) {
         self.refresh();
         self.carry = [0.0; N];
     }
 
-    /// The state or the right-hand side has jumped: forget everything but the statistics.
+    /// After a jump of the state or the right-hand side: discards everything except the statistics.
     pub fn restart(&mut self) {
         let mut kept = self.kept.take();
         kept.iter_mut().for_each(|kept| kept.is_useful = false);
         *self = Self { statistics: self.statistics, method: self.method, kept, ..Self::default() };
     }
 
-    /// Forget everything, the statistics too, as before the first step.
+    /// Discards everything, including the statistics, as before the first step.
     pub fn begin_anew(&mut self) {
         (self.statistics, self.method) = Default::default();
         self.restart();
     }
 
-    /// The same memory for a system with another number of components: step sizes and statistics are kept.
+    /// The memory for a system with another number of components. Step sizes and statistics are kept.
     pub fn with_components<const M: usize>(&self) -> Integrator<M> {
         Integrator {
             proposal: self.proposal,
@@ -198,13 +198,13 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// Go on from the end of a step.
+    /// Continues from the end of a step.
     #[inline]
     pub(super) fn arrive<P>(&mut self, outcome: &Outcome<P, N>) {
         (self.derivative, self.carry) = (outcome.last, outcome.carry);
     }
 
-    /// Go on from the end of an accepted step.
+    /// Continues from the end of an accepted step.
     #[inline]
     pub(super) fn accept<P: Path<N> + Into<Stages<N>>>(
         &mut self,
@@ -218,7 +218,7 @@ impl<const N: usize> Integrator<N> {
         Step::new(&begin.start, h, h == begin.rest, outcome)
     }
 
-    /// An explicit step has been accepted: no step of Radau precedes the next, and cheaper methods are tried again
+    /// After an accepted explicit step: the next step does not follow a Radau step, and cheaper methods are tried again
     /// sooner.
     #[inline]
     pub(super) fn after_explicit<P: Pair<N>, S: System<N>>(&mut self) {

@@ -1,7 +1,7 @@
-//! Control of an integration: its memory from step to step, the choice of the method, step sizes.
+//! Control of an integration: its memory between steps, the choice of the method, step sizes.
 //!
-//! In: a system, a point, a span, a tolerance. Out: accepted steps and the work they took. It must not know the
-//! formulas of the methods.
+//! In: a system, a point, a span, a tolerance. Out: accepted steps and their work. Must not know: the formulas of the
+//! methods.
 mod advance;
 mod choice;
 mod inverse_root;

@@ -12,28 +12,28 @@ use crate::integrator::pair::{Pair, Start};
 use crate::integrator::step::{Stages, Step};
 use crate::integrator::{IntegrationError, Statistics, System};
 
-/// Limits of the step-size control as in DOP853; its safety factor is 0.9, at which the retraction at tolerance 1e-12
-/// takes a quarter more evaluations, in rejected steps.
+/// Limits of the step-size control are those of DOP853. The safety factor of DOP853 is 0.9. With 0.9, the retraction at
+/// tolerance 1e-12 would need 25 % more evaluations, because more steps are rejected.
 const SAFETY: f64 = 0.8;
 const SHRINK_MOST: f64 = 1.0 / 3.0;
 pub const GROW_MOST: f64 = 6.0;
-/// Shrinking where the error is not finite, and the most of Radau.
+/// Factor on the step size if the error is not finite. Also the lower limit for Radau.
 pub const SHRINK_INFINITE: f64 = 0.1;
-/// Shrinking where a step ends outside of what the system admits.
+/// Factor on the step size if a step ends in a state that the system does not admit.
 const SHRINK_OUTSIDE: f64 = 0.25;
-/// Shrinking where Newton's method does not converge.
+/// Factor on the step size if Newton's method does not converge.
 const SHRINK_UNSOLVED: f64 = 0.25;
-/// Largest factor by which a step could have been larger that still shows how the error grows.
+/// Largest factor by which a step could have been larger that is used to predict the growth of the error.
 const LARGEST_GROWTH: f64 = 10.0;
-/// Least part of a span that a step may be: less is round-off in time. Of a span longer than [`LONG`], the part of
-/// that: spans so long are asked for at rest.
+/// Smallest step relative to the span. A smaller step is within the rounding error of time. For a span longer than
+/// [`LONG`], the limit is relative to [`LONG`], because such spans occur only at rest.
 const SMALLEST: f64 = 1e-14;
 const LONG: f64 = 1e3;
-/// Longest step that is proposed [s]: still finite after it has grown.
+/// Longest proposed step [s], which is still finite after growth.
 pub const LONGEST: f64 = 1e300;
-/// Largest h |lambda| of a proposed step: in DOP853's interval of stability, which ends at 6.4, where a decaying
-/// component and its errors shrink to a sixteenth in each step. Without this limit steps go on beyond the interval
-/// until the errors that grow there are as large as several tolerances.
+/// Largest h |lambda| of a proposed step. It is within DOP853's interval of stability, which ends at 6.4. A decaying
+/// component and its errors decrease to a sixteenth in each step. Without this limit, steps would leave the interval
+/// until the errors that grow there reach several tolerances.
 const STABLE: f64 = 5.0;
 /// Order of the explicit pairs.
 const ORDER: f64 = 8.0;
@@ -59,7 +59,7 @@ impl<const N: usize> Integrator<N> {
             if error <= 1.0 && is_admitted {
                 let mut grow = grow_most;
                 self.after_explicit::<P, S>();
-                // A step cut short by the end of the span is often so much shorter that no growth comes to the wish.
+                // A step shortened by the end of the span is often too short to grow to the proposed size.
                 if S::CAN_BE_STIFF || h >= wish || h * grow_most > wish {
                     let growth = inverse_root(error, P::ERROR_POWER);
                     let mut stable = f64::INFINITY;
@@ -68,8 +68,8 @@ impl<const N: usize> Integrator<N> {
                         stable = STABLE / h_lambda;
                         self.stiffness.explicit_step(h, h_lambda, (SAFETY * growth).min(stable));
                     }
-                    let foreseen = (SAFETY * self.foreseen(h, growth)).min(stable);
-                    grow = foreseen.clamp(SHRINK_MOST, grow_most);
+                    let predicted = (SAFETY * self.predicted_growth(h, growth)).min(stable);
+                    grow = predicted.clamp(SHRINK_MOST, grow_most);
                 } else {
                     self.last = None;
                 }
@@ -83,10 +83,11 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// Growth at which the next step would just be good, after one of size h that could have grown by `growth`. Where
-    /// the error per step has been growing, it is taken to go on so: Solving ODEs II (1996), IV.8, eq. (8.25).
+    /// Growth for which the next step is expected to meet the tolerance, after a step of size h that could have grown
+    /// by `growth`. An increase of the error from step to step is extrapolated: Solving ODEs II (1996), IV.8, eq.
+    /// (8.25).
     #[inline]
-    fn foreseen(&mut self, h: f64, growth: f64) -> f64 {
+    fn predicted_growth(&mut self, h: f64, growth: f64) -> f64 {
         let growth = growth.min(LARGEST_GROWTH);
         let last = self.last.replace((h, growth));
         last.map_or(growth, |(h_before, before)| growth.min(growth * (growth * (h / (h_before * before)))))
@@ -111,7 +112,7 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// [`Self::implicit_step`] with a Jacobian that is kept.
+    /// [`Self::implicit_step`] with a shared Jacobian.
     fn implicit_step_with<S: System<N>>(
         &mut self,
         system: &mut S,
@@ -123,7 +124,7 @@ impl<const N: usize> Integrator<N> {
         self.last = None;
         let before = self.before;
         let newton = Newton { scale, tolerance, before: before.as_ref() };
-        // Explicit steps, a jump or a step taken back lie between.
+        // Not after explicit steps, a jump or a step taken back.
         let mut is_old = kept.is_useful && before.is_some();
         if !is_old {
             self.renew(system, start, kept);
@@ -140,7 +141,7 @@ impl<const N: usize> Integrator<N> {
                     self.propose(h, wish, grow.clamp(SHRINK_MOST, grow_most));
                     return Ok(self.accept(begin, h, outcome));
                 }
-                // A new Jacobian may do, at the same size.
+                // A new Jacobian may be sufficient, with the same step size.
                 _ if is_old => {
                     self.renew(system, start, kept);
                     is_old = false;
@@ -155,7 +156,7 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
-    /// A new Jacobian, at the start of a step.
+    /// Computes a new Jacobian at the start of a step.
     fn renew<S: System<N>>(&mut self, system: &mut S, start: &Start<N>, kept: &mut Kept<N>) {
         let jacobian = system.jacobian(start.t, &start.y);
         self.statistics.jacobians += 1;
@@ -163,15 +164,15 @@ impl<const N: usize> Integrator<N> {
         kept.take(&jacobian, leading, largest_eigenvalue(&jacobian, leading));
     }
 
-    /// Propose the next step size after an accepted step of size h that was to have the size `wish` and could grow by
-    /// `grow`.
+    /// Sets the next proposed step size after an accepted step of size h. `wish`: the size proposed for this step.
+    /// `grow`: the factor by which the step may grow.
     #[inline]
     fn propose(&mut self, h: f64, wish: f64, grow: f64) {
-        // A step cut short by the end of the span says little about the size that is possible.
+        // A step shortened by the end of the span does not determine the possible size.
         self.proposal = Some(if h < wish { (h * grow).max(wish) } else { h * grow }.min(LONGEST));
     }
 
-    /// The next size to try after one that was too large.
+    /// The next size to try after a rejected step.
     fn reject(&mut self, t: f64, h: f64, shrink: f64, end: f64) -> Result<f64, IntegrationError> {
         self.statistics.rejected += 1;
         let wish = h * shrink;
@@ -180,12 +181,12 @@ impl<const N: usize> Integrator<N> {
     }
 }
 
-/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, with the error of an explicit Euler step as
-/// the guide; for a system that can be stiff, one at which DOP853 is stable.
+/// First step size: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.4, based on the error of an explicit Euler step.
+/// For a system that can be stiff, DOP853 is stable with this step size.
 ///
 /// # Errors
-/// The rates are so large that the step vanishes.
-// Called rarely: kept out of the path of every step.
+/// The step size is 0, because the rates are too large.
+// Called rarely, therefore not inlined.
 #[inline(never)]
 pub fn starting_step<S: System<N>, const N: usize>(
     system: &mut S,
@@ -217,13 +218,14 @@ pub fn starting_step<S: System<N>, const N: usize>(
     if h > 0.0 { Ok(h) } else { Err(IntegrationError::StepTooSmall { t, step: h }) }
 }
 
-/// Factor on the size of a step with this error, more than the tolerance, for the next attempt; at least `least`.
+/// Factor on the size of a rejected step for the next attempt, at least `least`.
 #[inline]
 fn shrink(error: f64, power: f64, least: f64) -> f64 {
     if error.is_finite() { (SAFETY * inverse_root(error, power)).max(least) } else { SHRINK_INFINITE }
 }
 
-/// Fit the rest of the span: one step if it nearly reaches, two equal ones rather than a long and a tiny one.
+/// Step size fitted to the rest of the span: one step if it nearly reaches the end, two equal steps instead of a long
+/// and a tiny one.
 fn fitted(wish: f64, rest: f64) -> f64 {
     if wish * 1.01 >= rest {
         rest

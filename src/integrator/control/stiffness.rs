@@ -1,55 +1,55 @@
-//! When DOP853 gives way to Radau, and Radau to DOP853.
+//! Changes between DOP853 and Radau.
 //!
-//! DOP853 held back by stiffness cannot lengthen its steps though h |lambda| is about 1 or more: near 6 at the end of
-//! its interval of stability, less at tight tolerances, where the stiff components spoil its stages first. Once it has
-//! been so for a few steps Radau takes over. It gives back when, for a few, its steps are shorter than those of DOP853
-//! were. A change that did not pay doubles the number of steps before the next one, so that trials stay a small part of
-//! the work.
+//! If stiffness limits DOP853, its steps cannot grow although h |lambda| is about 1 or more. The limit is near 6 at the
+//! end of its interval of stability, and lower at tight tolerances, where the stiff components first affect its stages.
+//! After several such steps, Radau is used. DOP853 is used again if several Radau steps are shorter than those of
+//! DOP853 were. A change that did not save work doubles the number of steps before the next change. Trials therefore
+//! stay a small part of the work.
 
 use crate::codec::record::{Damaged, Record};
 
-/// Steps held back before Radau takes over.
+/// Number of limited steps before Radau is used.
 const PATIENCE: u32 = 6;
-/// A change that does not pay doubles the patience, up to this.
+/// A change that does not save work doubles the patience, up to this number.
 const MOST_PATIENCE: u32 = 192;
-/// Steps in a row not held back that clear the count.
+/// Number of consecutive steps without limitation that reset the count.
 const CLEARED_AFTER: u32 = 6;
-/// h |lambda| from which a step can be held back.
+/// h |lambda| from which stiffness can limit a step.
 const HELD_BACK: f64 = 1.0;
-/// A step that could grow by this was not held back, but cut short by the end of its span.
+/// A step that could grow by this factor was limited by the end of its span, not by stiffness.
 const GROWING: f64 = 2.0;
-/// Short steps in a row before DOP853 takes over.
+/// Number of consecutive short steps before DOP853 is used again.
 const SHORT_STEPS: u32 = 3;
 
-/// Counts of the choice between the methods.
+/// Counters for the choice between the methods.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Stiffness {
-    /// Whether Radau is at work.
+    /// Whether Radau is used.
     pub implicit: bool,
-    /// Explicit: steps held back. Implicit: short steps in a row.
+    /// With DOP853: number of limited steps. With Radau: number of consecutive short steps.
     hits: u32,
-    /// Steps in a row that were no hits.
+    /// Number of consecutive steps that were no hits.
     misses: u32,
-    /// Changes in a row that have not paid.
+    /// Number of consecutive changes that did not save work.
     failures: u32,
-    /// Steps of DOP853 that Radau has saved since it took over.
+    /// Number of DOP853 steps that Radau has saved since the change.
     saved: f64,
-    /// Size of the last explicit step that was held back [s].
+    /// Size of the last explicit step that stiffness limited [s].
     explicit_h: f64,
 }
 
 impl Stiffness {
-    /// All fields, written or read.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A field is read that no choice leaves.
+    /// A field that was read has a value that no choice can produce.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.flag("implicit", &mut self.implicit)?;
         record.small("hits", &mut self.hits)?;
         record.small("misses", &mut self.misses)?;
         record.small("failures", &mut self.failures)?;
         record.finite("saved steps", &mut self.saved)?;
-        // Without a step that was held back there is no size of one, and Radau does not take over.
+        // Before the first limited step its size is 0, and Radau is not used.
         let blank = !self.implicit && self.hits == 0;
         let allowed = |h: f64| h.is_finite() && (h > 0.0 || (h == 0.0 && blank));
         record.number(
@@ -60,7 +60,7 @@ impl Stiffness {
         )
     }
 
-    /// An explicit step of size h at this h |lambda|, that could have grown by `grow`, has been accepted.
+    /// Counts an accepted explicit step of size h with this h |lambda|, which could have grown by `grow`.
     pub fn explicit_step(&mut self, h: f64, h_lambda: f64, grow: f64) {
         if h_lambda > HELD_BACK && grow < GROWING {
             (self.hits, self.misses, self.explicit_h) = (self.hits + 1, 0, h);
@@ -75,15 +75,15 @@ impl Stiffness {
         }
     }
 
-    /// An explicit step at this h |lambda| has been taken back, as its interpolant was too coarse; one of the size h
-    /// might not be.
+    /// Counts an explicit step with this h |lambda| that was taken back, because its interpolant was too coarse. The
+    /// size h might be sufficient.
     pub fn too_coarse(&mut self, h: f64, h_lambda: f64) {
         if h_lambda > HELD_BACK {
             *self = Self { implicit: true, hits: 0, misses: 0, saved: 0.0, explicit_h: h, ..*self };
         }
     }
 
-    /// An implicit step of size h where |lambda| is the largest eigenvalue has been accepted.
+    /// Counts an accepted implicit step of size h. `lambda`: largest |eigenvalue|.
     pub fn implicit_step(&mut self, h: f64, lambda: f64) {
         self.saved = (self.saved + h / self.explicit_h - 1.0).min(f64::MAX);
         if h * lambda >= HELD_BACK.max(self.explicit_h * lambda) {
@@ -103,9 +103,9 @@ impl Stiffness {
 }
 
 /// The largest |eigenvalue| of a real matrix whose columns after the first `leading` are 0, from the trace of its
-/// eighth power: at most the factor N^(1/8) too large. It needs no scaling of the components, as a trace does not
-/// depend on their units. Too small where the largest are a complex pair whose eighth powers are nearly imaginary:
-/// oscillation, which is not stiffness.
+/// eighth power. The result is at most too large by the factor N^(1/8). Components need no scaling, because a trace
+/// does not depend on their units. The result is too small if the largest eigenvalues are a complex pair with nearly
+/// imaginary eighth powers. Such a pair is an oscillation, not stiffness.
 pub fn largest_eigenvalue<const N: usize>(a: &[[f64; N]; N], leading: usize) -> f64 {
     let fourth = square(&square(a, leading), leading);
     let trace: f64 = (0..leading).map(|i| (0..leading).map(|j| fourth[i][j] * fourth[j][i]).sum::<f64>()).sum();
@@ -128,9 +128,9 @@ fn square<const N: usize>(m: &[[f64; N]; N], leading: usize) -> [[f64; N]; N] {
 mod tests {
     use super::*;
 
-    /// What is written of a choice is read back, whatever its fields were when it was read first.
+    /// A recorded choice is read back unchanged, also after further steps.
     #[test]
-    fn a_choice_that_is_taken_is_written_and_read_back() {
+    fn a_valid_choice_is_written_and_read_back() {
         for (implicit, hits, explicit_h) in [(false, 9, 0.0), (false, 0, 0.0), (false, 9, 5e-324), (true, 0, 5e-324)] {
             let mut bytes = Vec::new();
             let mut choice = Stiffness { implicit, hits, explicit_h, ..Stiffness::default() };

@@ -1,18 +1,18 @@
-//! One step of Dormand and Prince's pair of order 5(4), for spans that are longer than RK4 is good for and still short
-//! against the motion.
+//! One step of Dormand and Prince's pair of order 5(4), for spans that are too long for RK4 but short compared with the
+//! motion.
 //!
-//! The last stage is f at the end of the step, which the next one starts with: six evaluations a step. Coefficients and
-//! the interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5; their order
-//! conditions are tested.
+//! The last stage is f at the end of the step, which is the first stage of the next step: six evaluations a step.
+//! Coefficients and interpolant: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, table 5.2, and II.6, CONTD5.
+//! Their order conditions are tested.
 use crate::integrator::dense::TERMS;
 use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square, stage};
 use crate::integrator::{Dense, Method, System};
 
-/// Stages, the last of them at the end of the step.
+/// Number of stages. The last stage is at the end of the step.
 pub const STAGES: usize = 7;
 /// Nodes c_i.
 pub const C: [f64; STAGES] = [0.0, 1.0 / 5.0, 3.0 / 10.0, 4.0 / 5.0, 8.0 / 9.0, 1.0, 1.0];
-/// a_ij; the last row is the weights b_j of the step.
+/// a_ij. The last row contains the weights b_j of the step.
 #[rustfmt::skip]
 pub const A: [[f64; STAGES - 1]; STAGES] = [
     [0.0; STAGES - 1],
@@ -23,7 +23,7 @@ pub const A: [[f64; STAGES - 1]; STAGES] = [
     [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
     [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
-/// Weights of the step less those of the embedded method of order 4.
+/// Weights of the step minus those of the embedded method of order 4.
 #[rustfmt::skip]
 pub const E: [f64; STAGES] = [
     71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0,
@@ -34,7 +34,7 @@ pub const D: [f64; STAGES] = [
     -12715105075.0 / 11282082432.0, 0.0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
     701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0,
 ];
-/// Part of the tolerance that the estimate may use, found as that of RK4.
+/// Part of the tolerance that the estimate may use, chosen like that of RK4.
 const MARGIN: f64 = 0.07;
 
 /// f at the stages.
@@ -61,7 +61,7 @@ impl<const N: usize> Path<N> for Dopri5<N> {
         bulge(h, extremes(self.0.iter().map(|f| f[n])))
     }
 
-    /// Of order 4, for no evaluation: II.6, CONTD5.
+    /// Of order 4, without an evaluation: II.6, CONTD5.
     fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, [start, end]: [&[f64; N]; 2]) -> Dense<N> {
         let k = &self.0;
         let delta: [f64; N] = std::array::from_fn(|n| end[n] - start[n]);
@@ -100,14 +100,14 @@ impl<const N: usize> Pair<N> for Dopri5<N> {
         Outcome { last: Some(k[STAGES - 1]), stages: Self(k), end, carry: lost }
     }
 
-    /// As that of RK4, with an estimate that is the local error of order 4 and falls as h^5.
+    /// As for RK4. The estimate is the local error of order 4, which is proportional to h^5.
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         mean_square(S::LEADING, scale, |n| self.difference(n, h)) * (MARGIN * tolerance).powi(-2)
     }
 }
 
 impl<const N: usize> Dopri5<N> {
-    /// Difference of component n between the pair's methods.
+    /// Difference of component n between the methods of the pair.
     #[inline(always)]
     fn difference(&self, n: usize, h: f64) -> f64 {
         let k = &self.0;

@@ -1,20 +1,21 @@
-//! One step of the classical Runge-Kutta method of order 4, for spans that are short against the motion.
+//! One step of the classical Runge-Kutta method of order 4, for spans that are short compared with the motion.
 //!
-//! With f at the end of the step, which the next one starts with, as a fifth stage: four evaluations a step. Giving the
-//! weight of the fourth stage to the fifth makes an embedded method of order 3. Coefficients: Hairer, Norsett, Wanner,
-//! Solving ODEs I (1993), II.1, table 1.2; the pair's order conditions, II.1, theorem 2.1 and eq. (1.11), are tested.
+//! A fifth stage is f at the end of the step, which is the first stage of the next step: four evaluations a step. The
+//! embedded method of order 3 gives the weight of the fourth stage to the fifth. Coefficients: Hairer, Norsett, Wanner,
+//! Solving ODEs I (1993), II.1, table 1.2. The order conditions of the pair, II.1, theorem 2.1 and eq. (1.11), are
+//! tested.
 use crate::integrator::dense::{TERMS, hermite};
 use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge, extremes, mean_square, stage};
 use crate::integrator::{Dense, Method, System};
 
-/// Nodes c_i; a stage takes the one before it alone, a_{i,i-1} = c_i, the fifth takes `B`.
+/// Nodes c_i. A stage depends only on the previous stage, a_{i,i-1} = c_i; the fifth stage uses `B`.
 pub const C: [f64; 5] = [0.0, 0.5, 0.5, 1.0, 1.0];
 /// Weights b_i of the step.
 pub const B: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-/// What the embedded method gives less to the fourth stage and more to the fifth.
+/// Weight that the embedded method moves from the fourth to the fifth stage.
 pub const E: f64 = B[3];
-/// Part of the tolerance that the estimate may use: at the largest such step the error of the harmonic oscillator grows
-/// as that of long steps of DOP853, at 0.035 of the tolerance a radian.
+/// Part of the tolerance that the estimate may use. With the largest such step, the error of the harmonic oscillator
+/// grows like that of long steps of DOP853, by 0.035 of the tolerance per radian.
 const MARGIN: f64 = 0.04;
 
 /// f at the start, at the fourth stage and at the end.
@@ -72,12 +73,12 @@ impl<const N: usize> Pair<N> for Rk4<N> {
         Outcome { stages: Self { first: *first, fourth, last }, end, last: Some(last), carry }
     }
 
-    /// Square of the estimate e, relative to the scales, over that of the tolerance with a margin.
+    /// Square of the ratio of the estimate e, relative to the scales, to the tolerance with a margin.
     ///
-    /// e is the local error of order 3: it falls as h^4, so the motion changes within T = h / e^(1/4), and the step, of
-    /// order 4, errs by about e h / T. The tolerance is meant for a step of about the length T; each of many short
-    /// steps has its share tolerance h / T, so that the sum of their errors is that of a few long steps however short
-    /// they are. So e <= tolerance.
+    /// e is the local error of order 3, proportional to h^4. The motion therefore changes within T = h / e^(1/4), and
+    /// the step of order 4 has an error of about e h / T. The tolerance applies to a step of about the length T. Each
+    /// short step has the share tolerance h / T, so that the sum of the errors of short steps equals that of a few long
+    /// steps. Therefore e <= tolerance.
     #[inline]
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         mean_square(S::LEADING, scale, |n| self.difference(n, h)) * (MARGIN * tolerance).powi(-2)
@@ -85,7 +86,7 @@ impl<const N: usize> Pair<N> for Rk4<N> {
 }
 
 impl<const N: usize> Rk4<N> {
-    /// Difference of component n between the pair's methods.
+    /// Difference of component n between the methods of the pair.
     #[inline(always)]
     fn difference(&self, n: usize, h: f64) -> f64 {
         E * h * (self.fourth[n] - self.last[n])

@@ -4,7 +4,8 @@ use super::{Stiff, miss, oscillator, pendulum, run};
 use crate::integrator::control::stiffness::largest_eigenvalue;
 use crate::integrator::{Integrator, Method, System};
 
-/// Rate of y' = -rate(t) (y - cos t) - sin t, exact: cos t; stiff in the first and the last third of 0 <= t <= 30.
+/// Rate of y' = -rate(t) (y - cos t) - sin t with the exact solution cos t. Stiff in the first and last third of 0 <= t
+/// <= 30.
 fn rate(t: f64) -> f64 {
     let bump = |x: f64| 0.5 * (1.0 + (4.0 * x).tanh());
     1e6 * (1.0 - bump(t - 10.0) + bump(t - 20.0)) + 0.1
@@ -38,8 +39,8 @@ fn the_method_follows_the_stiffness_both_ways() {
 }
 
 #[test]
-fn a_problem_of_middling_stiffness_does_not_waver() {
-    // Between the methods: neither is much better. Changes are rare against steps.
+fn a_moderately_stiff_problem_rarely_changes_the_method() {
+    // Neither method is much better. Changes are rare compared with steps.
     for stiffness in [1e-1, 1e-2, 1e-3] {
         for tolerance in [1e-5, 1e-8, 1e-11] {
             let (mut t, mut y, mut integrator) = (0.0, [2.0, -0.66], Integrator::default());
@@ -59,7 +60,7 @@ fn a_problem_of_middling_stiffness_does_not_waver() {
     }
 }
 
-/// A copy of the memory advances to the same bits.
+/// A copy of the memory gives identical results.
 fn advance_twice(system: &mut impl System<2>, y: &mut [f64; 2], integrator: &mut Integrator<2>, h: f64) {
     let (mut z, mut again) = (*y, integrator.clone());
     integrator.advance(system, y, h, 1e-10).unwrap();
@@ -76,7 +77,7 @@ fn a_copied_memory_repeats_the_same_bits() {
     let mut ramp = Stiff(derivative, |_: f64, y: &[f64; 2]| [[0.0, 1.0], [0.0, slope(y[1])]]);
     let (mut y, mut integrator) = ([0.0, 0.0], Integrator::default());
     (0..200).for_each(|_| advance_twice(&mut ramp, &mut y, &mut integrator, 1e-3));
-    // Through changes of the span.
+    // With changes of the span.
     let (mut y, mut integrator, mut seen) = ([1.0, 0.0], Integrator::default(), [false; 2]);
     for i in 0..500 {
         advance_twice(&mut pendulum, &mut y, &mut integrator, [1e-4, 2e-4, 0.05, 3e-3][i / 7 % 4]);
@@ -86,7 +87,7 @@ fn a_copied_memory_repeats_the_same_bits() {
 }
 
 #[test]
-fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
+fn a_system_that_cannot_be_stiff_needs_no_jacobian() {
     struct Explicit;
     impl System<1> for Explicit {
         fn derivative(&mut self, _t: f64, y: &[f64; 1]) -> [f64; 1] {
@@ -104,9 +105,9 @@ fn a_system_that_cannot_be_stiff_is_never_asked_for_a_jacobian() {
     assert_eq!(integrator.statistics().accepted_by(Method::Radau), 0);
 }
 
-/// Whatever the span, 100 rad in many steps end as accurately as in a few.
+/// For every span, 100 rad in many steps are as accurate as in a few steps.
 #[test]
-fn short_spans_err_no_more_than_long_steps() {
+fn short_spans_are_as_accurate_as_long_steps() {
     for tolerance in [1e-6, 1e-9, 1e-12] {
         let run = |steps: u32| {
             let h = 100.0 / f64::from(steps);
@@ -117,7 +118,7 @@ fn short_spans_err_no_more_than_long_steps() {
         let mut seen = [false; 3];
         for k in 0..40 {
             let (error, work) = run((200.0 * 1.2f64.powi(k)) as u32);
-            // 1e-13: the rounding of h over the steps.
+            // 1e-13: rounding error of h, summed over the steps.
             assert!(error < 1.3 * long + 1e-13, "{tolerance:e}: {error:e}, in one call {long:e}, {work:?}");
             for (seen, method) in seen.iter_mut().zip([Method::Rk4, Method::Dopri5, Method::Dop853]) {
                 *seen |= work.accepted_by(method) > work.accepted / 2;
@@ -129,7 +130,7 @@ fn short_spans_err_no_more_than_long_steps() {
 
 #[test]
 fn the_largest_eigenvalue_depends_on_no_units() {
-    // (sigma, sigma_dot, energy): eigenvalues of [[0, 1], [-k, -d]] and 0; the energy's unit changes its row only.
+    // (sigma, sigma_dot, energy): eigenvalues of [[0, 1], [-k, -d]] and 0. The energy's unit changes only its row.
     for (k, d, unit) in [(4.0, 1e7, 1.0), (1e6, 3e4, 1e9), (1.0, 1e3, 1e-12)] {
         let a = [[0.0, 1.0, 0.0], [-k, -d, 0.0], [0.3 * unit, 2.0 * d * unit, 0.0]];
         let exact = 0.5 * d + f64::sqrt(0.25 * d * d - k);

@@ -1,8 +1,8 @@
-//! Steps of Radau that share a Jacobian.
+//! Radau steps that share a Jacobian.
 use super::*;
 use crate::codec::record::Record;
 
-/// y' = -L (y^3 - cos^3 t) - sin t, with the solution cos t: stiff where y is not near 0.
+/// y' = -L (y^3 - cos^3 t) - sin t with the solution cos t. Stiff where y is not near 0.
 struct Stiff;
 
 impl System<1> for Stiff {
@@ -17,7 +17,7 @@ impl System<1> for Stiff {
     }
 }
 
-/// From instant `from` to instant `to` in spans of 10 ms, whose sizes differ by the rounding of times.
+/// From instant `from` to instant `to` in spans of 10 ms, whose sizes differ by rounding errors of times.
 fn advance(integrator: &mut Integrator<1>, y: &mut [f64; 1], from: u32, to: u32) {
     let mut t = f64::from(from) * 0.01;
     for k in from + 1..=to {
@@ -29,7 +29,7 @@ fn advance(integrator: &mut Integrator<1>, y: &mut [f64; 1], from: u32, to: u32)
     }
 }
 
-/// From 0 to 1 s: error and Jacobians.
+/// Error and number of Jacobians from 0 to 1 s.
 fn run(mut integrator: Integrator<1>) -> (f64, u64) {
     let mut y = [1.0];
     advance(&mut integrator, &mut y, 0, 100);
@@ -37,14 +37,14 @@ fn run(mut integrator: Integrator<1>) -> (f64, u64) {
 }
 
 #[test]
-fn a_jacobian_that_is_kept_serves_many_steps_as_exactly() {
+fn a_kept_jacobian_is_used_for_many_steps_with_the_same_accuracy() {
     let ((error, each), (error_kept, kept)) = (run(Integrator::default()), run(Integrator::keeping()));
     println!("{error:e} with {each}, {error_kept:e} with {kept}");
     assert!(error < 1e-6 && error_kept < 1e-6, "{error:e} {error_kept:e}");
     assert!(each > 90 && kept * 3 < each, "{each} {kept}");
 }
 
-/// A memory that is copied, or written and read, continues identically with the Jacobian and the factors that it had.
+/// A copied memory, or one that was written and read, continues identically with the same Jacobian and factors.
 #[test]
 fn a_memory_that_is_read_continues_identically() {
     let (mut integrator, mut y) = (Integrator::keeping(), [1.0]);

@@ -1,4 +1,4 @@
-//! Systems that the tests integrate.
+//! Systems for the tests of the integration.
 use super::methods::radau::{Newton, Radau};
 use super::pair::{Pair, Start};
 use super::step::Stages;
@@ -14,7 +14,7 @@ mod rkn86;
 mod root;
 mod short;
 
-/// A function f(t, y) as a system whose components have the size 1.
+/// A function f(t, y) as a system whose components have the scale 1.
 impl<F: FnMut(f64, &[f64; N]) -> [f64; N], const N: usize> System<N> for F {
     fn derivative(&mut self, t: f64, y: &[f64; N]) -> [f64; N] {
         self(t, y)
@@ -60,7 +60,7 @@ pub fn oscillator(_t: f64, y: &[f64; 2]) -> [f64; 2] {
     [y[1], -y[0]]
 }
 
-/// Distance from the oscillation (cos t, -sin t).
+/// Distance from the exact solution (cos t, -sin t).
 pub fn miss(y: &[f64; 2], t: f64) -> f64 {
     (y[0] - t.cos()).hypot(y[1] + t.sin())
 }
@@ -89,7 +89,7 @@ pub fn run(system: &mut impl System<2>, h: f64, spans: u32, tolerance: f64) -> (
     (y, integrator)
 }
 
-/// One step of Radau of size h, without error control.
+/// One Radau step of size h without error control.
 pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N], h: f64) -> Step<N> {
     let (start, jacobian) = (start(system, t, y), system.jacobian(t, y));
     let newton = Newton { scale: &[1.0; N], tolerance: 1e-14, before: None };
@@ -99,7 +99,7 @@ pub fn implicitly<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64
     Step::new(&start, h, false, outcome)
 }
 
-/// One step of an explicit pair of size h, without error control.
+/// One step of an explicit pair of size h without error control.
 pub fn explicitly<P: Pair<N> + Into<Stages<N>>, S: System<N>, const N: usize>(
     system: &mut S,
     t: f64,
@@ -110,7 +110,7 @@ pub fn explicitly<P: Pair<N> + Into<Stages<N>>, S: System<N>, const N: usize>(
     Step::new(&start, h, false, P::attempt(system, &start, h))
 }
 
-/// A start whose sums have lost nothing.
+/// A start without compensation.
 fn start<S: System<N>, const N: usize>(system: &mut S, t: f64, y: &[f64; N]) -> Start<N> {
     Start { t, y: *y, first: system.derivative(t, y), carry: [0.0; N] }
 }

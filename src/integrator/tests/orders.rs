@@ -1,12 +1,12 @@
-//! Orders: conditions on the coefficients of RK4 and DOPRI5, observed orders of all methods and their interpolants.
+//! Orders: conditions for the coefficients of RK4 and DOPRI5, observed orders of all methods and their interpolants.
 use super::{SecondOrder, explicitly, implicitly, miss, oscillator};
 use crate::integrator::Step;
 use crate::integrator::methods::{dop853::Dop853, dopri5, dopri5::Dopri5, rk4, rk4::Rk4, rkn86::Rkn86};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// The (...)_i and gamma of sum b_i (...)_i = 1 / gamma for each rooted tree, order by order: Solving ODEs I (1993),
-/// II.2, table 2.2.
+/// The vector v and gamma of the condition sum b_i v_i = 1 / gamma for each rooted tree, order by order: Solving ODEs I
+/// (1993), II.2, table 2.2.
 fn trees<const N: usize>(a: &[[f64; N]; N], c: [f64; N]) -> [Vec<([f64; N], f64)>; 5] {
     let inner = |v: &[f64; N]| -> [f64; N] { from_fn(|i| a[i].iter().zip(v).map(|(a, v)| a * v).sum()) };
     let product = |a: &[f64; N], b: &[f64; N]| -> [f64; N] { from_fn(|i| a[i] * b[i]) };
@@ -33,7 +33,8 @@ fn trees<const N: usize>(a: &[[f64; N]; N], c: [f64; N]) -> [Vec<([f64; N], f64)
     ]
 }
 
-/// The last stage is the step of this order; the embedded method, less by `e`, has one order less, and shows an error.
+/// Checks that the last stage is a step of this order, and that the embedded method (step minus `e`) has one order
+/// less.
 fn conditions<const N: usize>(a: [[f64; N]; N], c: [f64; N], e: [f64; N], order: usize, rounding: f64, shown: f64) {
     for (row, c) in a.iter().zip(c) {
         assert!((row.iter().sum::<f64>() - c).abs() < rounding);
@@ -71,8 +72,8 @@ fn order_conditions_hold() {
     conditions(a, dopri5::C, dopri5::E, 5, 1e-14, 1e-4);
 }
 
-/// Observed order over 6 s, from `steps` steps and twice as many; and the local order of components of the interpolant,
-/// from steps of size h and h / 2 from `start`.
+/// Checks the observed order over 6 s, from `steps` steps and twice as many. Checks the local order of components of
+/// the interpolant, from steps of size h and h / 2 from `start`.
 fn observed(
     attempt: impl Fn(&[f64; 2], f64) -> Step<2>,
     (steps, order): (u32, Range<f64>),

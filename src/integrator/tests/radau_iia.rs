@@ -86,7 +86,7 @@ fn quadrature_is_exact_to_degree_four() {
 }
 
 #[test]
-fn prothero_and_robinson_is_met_at_every_stiffness() {
+fn prothero_and_robinson_is_solved_at_every_stiffness() {
     // y' = lambda (y - sin t) + cos t; exact: sin t. IV.15, eq. (15.1).
     for lambda in [-1e2, -1e4, -1e7] {
         let derivative = |t: f64, y: &[f64; 1]| [lambda * (y[0] - t.sin()) + t.cos()];
@@ -130,7 +130,7 @@ fn van_der_pol_agrees_with_the_reference() {
     }
 }
 
-/// A system without its Jacobian.
+/// A system with the default Jacobian.
 struct WithoutJacobian(VanDerPol);
 impl System<2> for WithoutJacobian {
     fn derivative(&mut self, t: f64, y: &[f64; 2]) -> [f64; 2] {

@@ -1,4 +1,4 @@
-//! A shorter step from the same start, and going on from its end.
+//! Shorter steps from the same start, and the integration from their ends.
 use super::radau_iia::VanDerPol;
 use super::{damped, miss, oscillator, pendulum};
 use crate::integrator::{Integrator, Method};
@@ -14,7 +14,7 @@ fn an_explicit_step_cut_short_is_the_step_of_that_size() {
         assert!(miss(&y, t) < 1e-11);
         integrator.refresh();
     }
-    // The whole step again gives the same bits, compensation included.
+    // Repeating the whole step gives identical results, including the compensation.
     let step = integrator.step(&mut oscillator, t, &y, 100.0, 1e-12).unwrap();
     let mut memory = integrator.clone();
     assert_eq!(integrator.retake(&mut oscillator, &step, step.h).end, step.end);

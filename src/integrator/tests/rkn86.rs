@@ -14,7 +14,7 @@ fn order_conditions_hold() {
     for (i, c) in C.iter().enumerate().skip(1) {
         assert!((row(i, 0) - 0.5 * c * c).abs() < 1e-14, "row {i}");
         if i > 2 {
-            // What the interpolant counts on.
+            // Conditions that the interpolant needs.
             assert!((row(i, 1) - c.powi(3) / 6.0).abs() < 1e-14, "row {i}, c");
             assert!((row(i, 2) - c.powi(4) / 12.0).abs() < 1e-14, "row {i}, c^2");
         }
@@ -35,7 +35,7 @@ fn order_conditions_hold() {
             assert!((sum - exact).abs() < 1e-15, "m {m}, l {l}: {sum} against {exact}");
         }
     }
-    // The pair's other method has order 6.
+    // The other method of the pair has order 6.
     for power in 0..=5 {
         assert!(power > 4 || sum(&E, power).abs() < 1e-15, "q, degree {power}");
         assert!(sum(&E_RATE, power).abs() < 1e-15, "q', degree {power}");
@@ -45,14 +45,14 @@ fn order_conditions_hold() {
 
 #[test]
 fn the_interpolant_is_exact_to_degree_seven() {
-    // A force along a polynomial of degree 5 gives q of degree 7, q' of degree 6.
+    // An acceleration that is a polynomial of degree 5 gives q of degree 7 and q' of degree 6.
     let mut fall = SecondOrder(|t: f64, y: &[f64; 2]| [y[1], 42.0 * t.powi(5)]);
     let dense = attempt(&mut fall, 0.0, &[0.0, 0.0], 1.0).dense(&mut fall);
     for s in (1..10).map(|i| f64::from(i) / 10.0) {
         let [q, rate] = dense.at(s);
         assert!((q - s.powi(7)).abs() < 1e-14 && (rate - 7.0 * s.powi(6)).abs() < 1e-13, "{s}: {q} {rate}");
     }
-    // One of degree 6 gives q' of degree 7.
+    // An acceleration of degree 6 gives q' of degree 7.
     let mut fall = SecondOrder(|t: f64, y: &[f64; 2]| [y[1], 56.0 * t.powi(6)]);
     let dense = attempt(&mut fall, 0.0, &[0.0, 0.0], 1.0).dense(&mut fall);
     for s in (1..10).map(|i| f64::from(i) / 10.0) {
@@ -60,7 +60,7 @@ fn the_interpolant_is_exact_to_degree_seven() {
     }
 }
 
-/// States within a step are as good as its end is asked to be.
+/// States within a step are as accurate as required at its end.
 #[test]
 fn the_interpolant_is_within_the_tolerance() {
     for exponent in 3..=12 {
@@ -73,7 +73,7 @@ fn the_interpolant_is_within_the_tolerance() {
             assert_eq!(step.method(), Method::Rkn86);
             let dense = step.dense(&mut system);
             for s in (1..20).map(|i| f64::from(i) / 20.0) {
-                // From the start of the step: its own error, not that of the steps before.
+                // From the start of the step, so that errors of previous steps do not count.
                 let (sin, cos) = (s * step.h).sin_cos();
                 let exact = [y[0] * cos + y[1] * sin, y[1] * cos - y[0] * sin];
                 worst = (0..2).fold(worst, |worst, n| worst.max((dense.at(s)[n] - exact[n]).abs()));
@@ -85,7 +85,7 @@ fn the_interpolant_is_within_the_tolerance() {
 }
 
 #[test]
-fn error_follows_the_tolerance_for_less_than_dop853_costs() {
+fn the_error_follows_the_tolerance_with_fewer_evaluations_than_dop853() {
     for exponent in 3..=13 {
         let tolerance = 10f64.powi(-exponent);
         let (y, integrator) = run(&mut SecondOrder(oscillator), 10.0, 1, tolerance);
@@ -98,11 +98,11 @@ fn error_follows_the_tolerance_for_less_than_dop853_costs() {
     }
 }
 
-/// A weak force that changes soon along a fast motion: q'' = a g'(q) passes bumps of width 1/30, which take a part of
-/// 1e-4 of the kinetic energy at most. The speed alone would let steps go by a bump. Reference: the energy integral
-/// v^2 / 2 = 1/2 + a g(q), g = 1 / (1 + (30 sin(q/2))^2).
+/// A weak force that changes fast along a fast motion: q'' = a g'(q) with bumps of width 1/30, which contain at most
+/// 1e-4 of the kinetic energy. The speed alone would allow steps beyond a bump. Reference: the energy integral v^2 / 2
+/// = 1/2 + a g(q), g = 1 / (1 + (30 sin(q/2))^2).
 #[test]
-fn a_weak_force_that_changes_soon_is_resolved() {
+fn a_weak_force_that_changes_fast_is_resolved() {
     let (a, n) = (1e-4, 30.0);
     let potential = |q: f64| a / (1.0 + (n * (0.5 * q).sin()).powi(2));
     let force = |_t: f64, y: &[f64; 2]| {
@@ -132,10 +132,10 @@ fn a_step_cut_short_is_the_step_of_that_size() {
     }
 }
 
-/// The steps shrink by a steady ratio towards the pole of q = 1 / (1 - t); that is foreseen, not found out by
-/// rejections.
+/// The steps shrink by a constant ratio towards the pole of q = 1 / (1 - t). The control predicts the shrinking, so
+/// that few steps are rejected.
 #[test]
-fn shrinking_steps_are_foreseen() {
+fn shrinking_steps_are_predicted() {
     struct Pole;
     impl System<2> for Pole {
         const SECOND_ORDER: bool = true;
@@ -155,7 +155,7 @@ fn shrinking_steps_are_foreseen() {
 
 /// Starts at every phase of an oscillation, so that rate and force change their signs within some of the steps.
 #[test]
-fn a_path_is_no_farther_out_than_its_bulge() {
+fn a_path_stays_within_its_bulge() {
     let mut straight = 0;
     for i in 0..120 {
         let phase = 0.053 * f64::from(i);

@@ -1,16 +1,16 @@
-//! First passages against dense sampling and against known roots.
+//! First passages compared with dense sampling and with known roots.
 use crate::integrator::Dense;
 use crate::integrator::Direction::{self, Falling, Rising};
 use crate::integrator::dense::TERMS;
 use proptest::prelude::*;
 
-/// The interpolant with these terms; its end is its own value there.
+/// The interpolant with these terms. Its end is its value at 1.
 fn dense(start: f64, terms: [f64; TERMS]) -> Dense<1> {
     let open = Dense::new([start], [0.0], terms.map(|term| [term]), |_| 0.0);
     Dense::new([start], open.at(1.0), terms.map(|term| [term]), |_| 0.0)
 }
 
-/// The interpolant factor * product of (s - root) for up to 7 roots: terms by peeling off s and 1 - s in turn.
+/// The interpolant factor * product of (s - root) for up to 7 roots. Its terms follow by division by s and 1 - s.
 fn with_roots(factor: f64, roots: &[f64]) -> Dense<1> {
     let mut power = [0.0; TERMS + 1];
     power[0] = factor;
@@ -63,13 +63,13 @@ fn simple_roots_are_found_in_their_order_and_direction() {
 #[test]
 fn a_touch_is_no_passage() {
     for touch in [0.5, 0.3, 1.0 / 3.0, 0.123_456_789] {
-        // Up to rounding: the polynomial keeps a little below, as 1e-12 is above the rounding of its coefficients.
+        // 1e-12 is above the rounding error of the coefficients, so the polynomial stays slightly below.
         let dense = with_roots(-1.0, &[touch, touch]);
         assert_eq!(dense.first_passage(0, 1e-12, Rising, false), None, "touch at {touch}");
         let through = dense.first_passage(0, -1e-6, Rising, false).unwrap();
         assert!((through - (touch - 1e-3)).abs() < 1e-9);
     }
-    // Exactly: dyadic numbers.
+    // Without rounding errors: dyadic numbers.
     assert_eq!(with_roots(-1.0, &[0.5, 0.5]).first_passage(0, 0.0, Rising, false), None);
     assert_eq!(with_roots(-1.0, &[0.25, 0.25]).first_passage(0, 0.0, Rising, false), None);
     // A touch before a passage.
@@ -91,7 +91,7 @@ fn the_start_on_the_level_is_no_passage() {
             }
         }
     }
-    // A start and a speed of 0 but for rounding, on either side.
+    // Start and speed are 0 except for rounding errors of either sign.
     for (start, speed) in [(1e-17, -1e-17), (-1e-17, 1e-17), (1e-17, 1e-17), (-1e-17, -1e-17)] {
         for bend in [0.3, -0.3] {
             // start + speed s + bend s^2.
@@ -100,7 +100,7 @@ fn the_start_on_the_level_is_no_passage() {
             assert_eq!(dense.first_passage(0, 0.0, Falling, true), None);
         }
     }
-    // And back: away, then through.
+    // Away from the level, then back through it.
     let back = with_roots(1.0, &[0.0, 0.6]);
     assert!((back.first_passage(0, 0.0, Rising, true).unwrap() - 0.6).abs() < 1e-14);
     assert_eq!(back.first_passage(0, 0.0, Falling, true), None);
@@ -110,13 +110,13 @@ fn the_start_on_the_level_is_no_passage() {
 fn an_end_on_the_level_is_a_passage() {
     assert_eq!(with_roots(1.0, &[1.0]).first_passage(0, 0.0, Rising, false), Some(1.0));
     assert_eq!(with_roots(1.0, &[1.0]).first_passage(0, 0.0, Falling, false), None);
-    // The exact end counts, not the polynomial's: just past it, or just before.
+    // The exact end counts, not that of the polynomial: just after or just before the level.
     let terms = [[1.0], [0.0], [0.0], [0.0], [0.0], [0.0], [0.0]];
     let end = |end: f64| Dense::new([-1.0], [end], terms, |_| 0.0).first_passage(0, 0.0, Rising, false);
     assert_eq!((end(1e-17), end(-1e-17)), (Some(1.0), None));
 }
 
-/// The first passage among 20,000 samples, as the interval between two of them; none if there is none.
+/// The first passage among 20,000 samples, as the interval between two samples.
 fn sampled(dense: &Dense<1>, level: f64, direction: Direction, leaving: bool) -> Option<(f64, f64)> {
     const SAMPLES: u32 = 20_000;
     let sign = if direction == Rising { 1.0 } else { -1.0 };
@@ -152,7 +152,7 @@ proptest! {
         let size = terms.iter().fold(1.0, |m: f64, t| m.max(t.abs()));
         if let Some((low, high)) = sampled {
             let s = found.expect("a passage was missed");
-            // A pair of roots between two samples may come before.
+            // Two roots between two samples may come before.
             prop_assert!(s <= high + 1e-12);
             if s < low - 1e-12 {
                 let worst = (dense.at(s)[0] - level).abs();
@@ -163,7 +163,7 @@ proptest! {
             prop_assert!(s > 0.0 && s <= 1.0);
             prop_assert!((dense.at(s)[0] - level).abs() < 1e-13 * size, "{}", dense.at(s)[0] - level);
             if sampled.is_none() {
-                // Two roots between neighbouring samples: the polynomial is that close to a touch.
+                // Two roots between neighbouring samples: the polynomial nearly touches the level.
                 let near = [-1e-4, 1e-4].map(|d| (dense.at((s + d).clamp(0.0, 1.0))[0] - level).abs());
                 prop_assert!(near[0].min(near[1]) < 1e-3 * size);
             }
@@ -182,7 +182,7 @@ proptest! {
         let simple = if with_double { &all[..all.len() - 2] } else { &all[..] };
         let mut sorted = all.clone();
         sorted.sort_by(f64::total_cmp);
-        // Well apart from each other and from the ends, so that rounding moves none of them through another or out.
+        // The roots are so far from each other and from the ends that rounding errors do not reorder them.
         let apart = sorted.windows(2).all(|w| w[0] == w[1] || w[1] - w[0] > 0.02);
         if !(apart && all.iter().all(|r| r.abs() > 0.02 && (r - 1.0).abs() > 0.02)) {
             return Ok(());
@@ -196,7 +196,7 @@ proptest! {
             };
             let expected = simple.iter().copied().filter(|r| (0.0..=1.0).contains(r) && passes(r)).reduce(f64::min);
             let found = dense.first_passage(0, 0.0, direction, false);
-            // Rounding can make two roots of the double one, apart by the root of the rounding of the polynomial.
+            // Rounding errors can split the double root into two, apart by the square root of the rounding error.
             let curvature: f64 = simple.iter().map(|r| (double - r).abs()).product();
             let other = with_double && found.is_some_and(|s| (s - double).abs() < (1e-13 / curvature).sqrt());
             if other { continue }
@@ -213,7 +213,7 @@ proptest! {
     }
 }
 
-/// A step that starts beyond the level, comes nearer, turns and goes away again does not pass the level.
+/// A step that starts beyond the level, approaches the level, turns and moves away again does not pass the level.
 #[test]
 fn a_turn_beyond_the_level_is_no_passage() {
     for (start, speed) in [(0.05, 0.577), (0.5, 8.0), (1e-6, 1e-3)] {
@@ -223,7 +223,7 @@ fn a_turn_beyond_the_level_is_no_passage() {
         let dense = dense(start, turn);
         assert!((dense.at(0.5)[0] - (start - 0.5 * speed + 0.25 * curvature)).abs() < 1e-13 * curvature);
         assert_eq!(dense.first_passage(0, 0.0, Rising, true), None);
-        // Past it and back it does.
+        // A lower level is passed, there and back.
         let through = dense.first_passage(0, 0.5 * start, Rising, true).unwrap();
         let exact = (speed + (speed * speed - 2.0 * curvature * start).sqrt()) / (2.0 * curvature);
         assert!((through - exact).abs() < 1e-12, "{through} {exact}");
@@ -231,8 +231,8 @@ fn a_turn_beyond_the_level_is_no_passage() {
 }
 
 proptest! {
-    /// Values and slopes on a part of the step are within their bounds, and so are the ends of the whole step; a
-    /// component alone has the bounds that it has beside another one.
+    /// Values and slopes on a part of the step are within their bounds, and so are the ends of the whole step. The
+    /// bounds of a component do not depend on other components.
     #[test]
     fn bounds_hold_on_every_part(
         terms in proptest::array::uniform7(-1.0..1.0f64),

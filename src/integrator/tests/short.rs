@@ -12,7 +12,7 @@ fn a_hundred_thousand_short_steps_keep_the_tolerance() {
         let (w, _) = run(&mut pendulum, end, 1, 1e-14);
         let errors = [miss(&y, end), (z[0] - w[0]).hypot(z[1] - w[1])];
         let work = integrator.statistics();
-        // 1e-13: the reference, and the rounding of h over the steps.
+        // 1e-13: error of the reference, and rounding error of h, summed over the steps.
         assert!(errors.iter().all(|e| *e < tolerance + 1e-13), "{tolerance}, h {h}: {errors:?}");
         assert!(work.accepted_by(Method::Rk4) > 99_000, "{work:?}");
         assert!(work.evaluations < 4 * u64::from(STEPS) + 2000, "{work:?}");
@@ -41,7 +41,7 @@ fn many_steps_keep_the_tolerance_for_half_the_evaluations() {
             worst = worst.max((z[0] - w[0]).hypot(z[1] - w[1]));
         }
         let (error, work) = (miss(&y, f64::from(steps) * h), integrator.statistics());
-        // 1e-13: the reference, and the rounding of h over the steps.
+        // 1e-13: error of the reference, and rounding error of h, summed over the steps.
         assert!(error < tolerance + 1e-13 && worst < tolerance + 1e-13, "{tolerance}, h {h}: {error} {worst}");
         assert!(work.accepted_by(Method::Dopri5) > u64::from(steps) * 98 / 100, "{work:?}");
         assert!(work.evaluations < u64::from(steps) * 13 / 2 + 200, "{work:?}");

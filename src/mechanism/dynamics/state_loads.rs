@@ -30,7 +30,7 @@ pub struct Mode {
     pub breaks_away: bool,
     /// Bumpers that push.
     pub touching: BumperSet,
-    /// Whether a stop, a lock, drives or friction hold the mechanism at rest while other parts of the state go on.
+    /// Whether a stop, a lock, drives or friction hold the mechanism at rest while other parts of the state change.
     pub held: bool,
 }
 

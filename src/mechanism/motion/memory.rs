@@ -231,7 +231,7 @@ impl Memory {
     pub fn set_integrals(&mut self, values: &[f64]) {
         let Self::WithHydraulics(motion) = self else { return };
         if let Some(memory) = (motion.as_mut() as &mut dyn Any).downcast_mut::<ControlMemory>() {
-            memory.circuit.values[..values.len()].copy_from_slice(values);
+            memory.circuit.values.iter_mut().zip(values).for_each(|(own, value)| *own = *value);
             restart(&mut memory.integrator, &mut memory.lookahead);
         }
     }

@@ -1,4 +1,4 @@
-//! Passages of known functions, short ones above all.
+//! Rises of known functions, especially short ones.
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::numerics::bracket::{bisect, false_position};
@@ -10,7 +10,7 @@ fn quartic(f: impl Fn(f64) -> f64, [a, b]: [f64; 2]) -> Option<f64> {
     first_rise_of_quartic(|t| Ok::<_, Infallible>(f(t)), [a, b], 1e-15 * (b - a)).unwrap()
 }
 
-/// sin, searched with Lipschitz bounds: sin within |slope| <= frequency of its middle.
+/// First rise of sin - level, with Lipschitz bounds: |slope| <= frequency.
 fn rise_of_sine(frequency: f64, phase: f64, level: f64, grid: usize) -> Option<f64> {
     let f = move |s: f64| (frequency * s + phase).sin() - level;
     let slope = move |s: f64| frequency * (frequency * s + phase).cos();
@@ -32,18 +32,18 @@ fn a_fall_and_a_level_function_do_not_rise() {
     assert_eq!(first_rise_of_quartic(|_| Err::<f64, _>("no value"), [0.0, 1.0], 1e-15), Err("no value"));
 }
 
-/// 5 ms of 0.52 s.
+/// The parabola is > 0 during 5 ms of 0.52 s.
 #[test]
-fn a_short_parabola_is_met() {
+fn a_short_parabola_is_found() {
     let at = quartic(|t| 1e4 - 1.6e9 * (t - 0.5078) * (t - 0.5078), [0.0, 0.52]).unwrap();
     assert!((at - (0.5078 - 2.5e-3)).abs() < 1e-14, "{at}");
 }
 
 proptest! {
-    /// A window of release anywhere in a long step, down to the size at which its height is rounding; given as inputs
-    /// are, by a value and two derivatives.
+    /// A short interval with values > 0 anywhere in a long step, down to the length at which its height is a rounding
+    /// error. The parabola is stated like an input, by a value and two derivatives.
     #[test]
-    fn no_window_of_a_parabola_is_too_short(
+    fn a_short_interval_of_a_parabola_is_found(
         span in 1e-3..1e3f64,
         center in 0.0..=1.0f64,
         decades in -6.5..-0.5f64,
@@ -56,17 +56,17 @@ proptest! {
         let found = quartic(f, [0.0, span]);
         if half < center {
             let at = found.unwrap();
-            // Rounding of the value where the slope is 2 bend half.
+            // Rounding error of the value where the slope is 2 bend half.
             let rounding = 16.0 * f64::EPSILON * (bend * center * center) / (2.0 * bend * half) + 1e-14 * span;
             prop_assert!((at - (center - half)).abs() < rounding, "{at} {}", center - half);
             prop_assert!(f(at) > 0.0);
         }
     }
 
-    /// A joint that enters the range of a regime at the start and leaves it soon at the other end: from a root at the
-    /// start the function falls, and it rises within the first part of the grid.
+    /// A joint that enters the range of a friction regime at the start and soon leaves it at the other end. The
+    /// function falls from a root at the start, and rises within the first part of the grid.
     #[test]
-    fn a_rise_after_a_root_at_the_start_is_met(half in 1e-5..0.06f64, rounding in 0.0..1e-16f64) {
+    fn a_rise_after_a_root_at_the_start_is_found(half in 1e-5..0.06f64, rounding in 0.0..1e-16f64) {
         let f = move |s: f64| (s - half).abs() - half + rounding;
         let bounds = move |a: f64, b: f64| {
             let slope = Interval { low: if a < half { -1.0 } else { 1.0 }, high: if b > half { 1.0 } else { -1.0 } };
@@ -79,9 +79,9 @@ proptest! {
         prop_assert!((found - 2.0 * half).abs() < 1e-14, "{found} instead of {}", 2.0 * half);
     }
 
-    /// Quartics with known roots: the first rise, however near the next fall is.
+    /// Quartics with known roots: the first rise is found, however close the next fall is.
     #[test]
-    fn the_first_rise_of_a_quartic_is_met(
+    fn the_first_rise_of_a_quartic_is_found(
         roots in proptest::array::uniform2(0.0..1.0f64),
         gaps in proptest::array::uniform2(-5.0..-0.5f64),
         turned in any::<bool>(),
@@ -94,9 +94,9 @@ proptest! {
         let f = |t: f64| sign * all.iter().map(|r| t - r).product::<f64>();
         let rises = if turned { [all[0], all[2]] } else { [all[1], all[3]] };
         let expected = rises.into_iter().find(|r| *r > 0.0 && *r < 1.0);
-        // Roots closer to each other than this differ by rounding of the coefficients only.
+        // Roots closer than this distance are affected by rounding errors of the coefficients.
         let apart = all.windows(2).map(|w| w[1] - w[0]).fold(1.0, f64::min);
-        // So does a crest that is no higher than the rounding of the largest value.
+        // The same applies to a crest that is not higher than the rounding error of the largest value.
         let (last, rounding) = ([all[1], all[3]], 256.0 * f64::EPSILON * f(0.0).abs().max(f(1.0).abs()));
         let crests = rises.into_iter().zip(last).filter(|(rise, fall)| fall > rise);
         let low = crests.map(|(rise, fall)| f(0.5 * (rise + fall))).fold(f64::INFINITY, f64::min);
@@ -107,9 +107,9 @@ proptest! {
         }
     }
 
-    /// A wave that shows its crest for any short time, on grids that do not see it.
+    /// The crest of a wave is > 0 for an arbitrarily short time, on grids without a point in it.
     #[test]
-    fn a_crest_is_met_however_short(
+    fn a_short_crest_is_found(
         frequency in 1.0..60.0f64,
         phase in -6.0..6.0f64,
         below in -9.0..-0.01f64,
@@ -117,7 +117,7 @@ proptest! {
     ) {
         let level = 1.0 - 10f64.powf(below);
         let tau = std::f64::consts::TAU;
-        // The first s > 0 with sin = level on the way up.
+        // The first s > 0 with sin = level where sin rises.
         let at = (level.asin() - phase).rem_euclid(tau) / frequency;
         let found = rise_of_sine(frequency, phase, level, grid);
         if at < 1.0 - 1e-9 && at > 1e-9 {

@@ -26,7 +26,7 @@ fn resolves_a_peak_to_the_stated_accuracy() {
 }
 
 #[test]
-fn a_jump_is_refused_and_placed() {
+fn a_jump_gives_an_error_with_its_position() {
     let error = build(&grid(&[0.0, 1.0]), &[1.0], &mut |s, v| {
         v[0] = (s - 0.7).signum();
         1.0
@@ -61,7 +61,7 @@ fn a_pole_is_a_gap_and_the_rest_is_resolved() {
     assert!(Table::build_all(&grid, &[vec![1.0, 1.0]], &mut exact)[0].is_err());
 }
 
-/// What is nowhere smooth is all gaps, without end of work.
+/// A function that is nowhere smooth gives only gaps, with limited work.
 #[test]
 fn a_rough_function_has_bounded_work() {
     let mut calls = 0;

@@ -77,7 +77,7 @@ fn at_the_end_every_angle_and_the_reactions_are_right() {
 }
 
 #[test]
-fn the_energy_invariant_stands() {
+fn the_energy_invariant_is_fulfilled() {
     const INVARIANT: f64 = 1.437_832_957_531;
     let mut run = squeezer();
     for _ in 0..=500 {

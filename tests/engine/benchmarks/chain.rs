@@ -1,12 +1,12 @@
-//! Chains of N four-bars, IFToMM benchmark A02: every loop is singular twice a turn, and must go straight on there.
+//! Chains of N four-bars, IFToMM benchmark A02: every loop is singular twice per turn. The motion stays on its branch.
 use super::{check, close};
 use crate::support::{CHAIN, Run};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 const PERIOD: f64 = 1.942_514_922_607_084;
 
-/// Every link translates, so the chain is a pendulum: moment of inertia and greatest potential energy for unit 1 -
-/// sin(angle).
+/// All links translate, so the chain is a pendulum. These are the coefficients of its kinetic energy, and of its
+/// potential energy for 1 - sin(angle) = 1.
 fn kinetic(count: u32, speed: f64) -> f64 {
     let n = f64::from(count);
     0.5 * ((n + 1.0) / 3.0 + n) * speed * speed
@@ -51,7 +51,7 @@ fn two_four_bars_are_upright_again_after_each_period() {
 
 #[test]
 fn forty_four_bars_go_straight_on_through_every_flat_position() {
-    /// The definition is that of `cargo fmu chain 40`.
+    /// The definition file is the output of `cargo fmu chain 40`.
     const COUNT: u32 = 40;
     // Angle of bar 0 [rad] after 10 s and 20 s: 2 am(t / 2 | -4 k) from upright, k = greatest potential over inertia.
     const ANGLES: [(u32, f64); 2] = [(10_000, -30.026_637_417_190_84), (20_000, -61.684_499_041_396_03)];

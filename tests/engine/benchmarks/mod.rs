@@ -1,4 +1,4 @@
-//! Published benchmark mechanisms against values that two independent formulations gave in 32 and more digits.
+//! Published benchmark mechanisms against reference values of two independent formulations with at least 32 digits.
 
 mod andrews;
 mod chain;
@@ -6,12 +6,12 @@ mod slcrank;
 
 use crate::support::Run;
 
-/// A mechanism at its start, to be integrated with this tolerance.
+/// A mechanism at its start, with this tolerance of the integration.
 fn run(text: &str, tolerance: f64) -> Run {
     Run::new(text).with(&[("solver.tolerance", tolerance)]).started()
 }
 
-/// Check a variable, to an absolute allowance.
+/// Check that a variable has its exact value, with this absolute tolerance.
 fn check(run: &mut Run, name: &str, exact: f64, allowed: f64) {
     close(name, run.get(name), exact, allowed);
 }

@@ -1,4 +1,4 @@
-//! Elliptic gears: closed form of the ratio, balance of both wheels.
+//! Elliptic gears: closed form of the ratio, and balance of both wheels.
 use super::elliptic;
 use crate::support::{Run, Vec2, assert_near, turned};
 use serde_json::json;
@@ -9,8 +9,8 @@ fn elliptic_gears_obey_their_closed_form() {
     for (e, lobes, alpha, vertex) in [(0.4, 1.0, 0.35, 0.0), (0.6, 1.0, 0.0, 0.7), (0.2, 2.0, 0.35, -1.0)] {
         let keys = json!({ "eccentricity": e, "lobes": lobes, "pressure_angle": alpha, "vertex_angle": vertex });
         let mut run = Run::new(elliptic(keys)).started();
-        // Angle of the first wheel at which its nearest vertex is on the line of the centres, and that of the second
-        // then.
+        // Angles of the first and the second wheel at which the nearest vertex of the first wheel is on the line of
+        // centres.
         let theta0 = 0.4 - vertex;
         let gap = |theta: f64, psi: f64| {
             let (a, b) = (0.5 * lobes * theta, 0.5 * lobes * psi);
@@ -29,14 +29,14 @@ fn elliptic_gears_obey_their_closed_form() {
             let ratio = -r1 / (0.3 - r1);
             let (omega, speed) = (run.get("one.speed"), run.get("two.speed"));
             assert_near(speed, ratio * omega, 1e-13 * omega.abs().max(1.0) / (1.0 - e).powi(2), "speed");
-            // Wheels by Euler; lever arms are the pitch radii.
+            // Euler's equation of each wheel. The lever arms are the pitch radii.
             let [first, second] = ["one", "two"].map(|body| run.get(&format!("{body}.acceleration")));
             let t = run.get("mesh.transmitted_force");
             let size = 50.0 + t.abs() + 0.05 * second.abs() / r1;
             assert_near(0.02 * first, 0.8 + t * r1, 1e-12 * size, "first wheel");
             assert_near(0.05 * second, -0.3 + t * (0.3 - r1), 1e-12 * size, "second wheel");
-            // The tangent of the ellipse at the pitch point, and the normal of the flank that bears. The pitch point is
-            // before the second wheel, so that a force along the tangent turns it clockwise.
+            // The tangent of the ellipse at the pitch point, and the normal of the flank in contact. A force along the
+            // tangent turns the second wheel clockwise.
             let slope = -lobes * e * sin / (1.0 + e * cos);
             let tangent = (turned(across, PI / 2.0) + slope * across).normalize();
             let driven = -t;

@@ -1,10 +1,10 @@
-//! Cams and their followers: lift, balance of each body, lifting off, derivatives.
+//! Cams and their followers: lift, balance of each body, loss of contact, derivatives.
 use super::{ROLLER, oscillating, parsed, translating};
 use crate::support::{Run, Vec2, assert_near, assert_says, changed, turned};
 use serde_json::{Value, json};
 use std::f64::consts::{PI, TAU};
 
-/// Lift and its first two derivatives, as VDI 2143 has them.
+/// Lift and its first two derivatives according to VDI 2143.
 pub fn lift(law: &str, rise: f64, u: f64) -> [f64; 3] {
     let u = u.rem_euclid(TAU);
     let unit = |x: f64| match law {
@@ -39,7 +39,7 @@ fn a_translating_follower_balances_with_its_cam() {
         for is_flat in [false, true] {
             let follower = if is_flat { json!({ "follower": "flat" }) } else { parsed(ROLLER) };
             let mut run = Run::new(translating(law, follower)).started();
-            // Position of the stem's origin without lift: its tip is 0.08 m below.
+            // Position of the origin of the stem at zero lift. The tip of the stem is 0.08 m below its origin.
             let offset = if is_flat { 0.0 } else { 0.012 };
             let radius = if is_flat { 0.04 } else { 0.05 };
             let height = f64::sqrt(radius * radius - offset * offset);
@@ -60,7 +60,7 @@ fn a_translating_follower_balances_with_its_cam() {
                 let spring = 1000.0 * (position + 0.12);
                 let vertical = 0.6 * (up + 9.81) + spring;
                 let (angle, at) = if is_flat {
-                    // The face touches at the distance s' from the axis.
+                    // The flat face touches the cam at the distance s' from the axis of the cam.
                     (0.0, Vec2::new(s1, height + s))
                 } else {
                     (f64::atan2(s1 - offset, height + s), Vec2::new(0.012, height + s))
@@ -109,7 +109,7 @@ fn an_oscillating_follower_balances_with_its_cam() {
                 let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("disc.{o}")));
                 let [phi, second, psi] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("lever.{o}")));
                 let [s, s1, s2] = lift(law, 0.25, theta + 0.3);
-                // The lift turns the lever clockwise, away from the cam below its end.
+                // A lift turns the lever clockwise, away from the cam below the end of the lever.
                 let zero = *start.get_or_insert(phi + s);
                 assert_near(phi, zero - s, 1e-13 * theta.abs().max(1.0), &what);
                 assert_near(second, -s1 * omega, 1e-12 * omega.abs(), &what);
@@ -121,7 +121,8 @@ fn an_oscillating_follower_balances_with_its_cam() {
                 let zeroed = turned(Vec2::new(1.0, 0.0), zero);
                 let distance = if is_flat { pivot.perp(&zeroed).abs() } else { (pivot + 0.16 * zeroed).norm() };
                 assert_near(distance, if is_flat { 0.04 } else { 0.05 }, 1e-14, &what);
-                // Where the velocities have one part along the normal: cam omega x r, lever second x (r - pivot).
+                // At the contact point both velocities have the same normal component: cam omega x r, lever second x (r
+                // - pivot).
                 let (at, normal) = if is_flat {
                     let normal = turned(along, -PI / 2.0);
                     let normal = if along.perp(&-pivot) > 0.0 { normal } else { -normal };
@@ -137,12 +138,12 @@ fn an_oscillating_follower_balances_with_its_cam() {
                 let contact = run.get("cam.contact_force");
                 let mesh = run.force("cam");
                 assert!((mesh - contact * normal).norm() < 1e-11 * size, "{what}: {mesh} {contact} {normal}");
-                // A lift moves the lever clockwise.
+                // A lift turns the lever clockwise.
                 let lifts = turned(at - pivot, -PI / 2.0);
                 let angle = lifts.perp(&normal).atan2(lifts.dot(&normal));
                 assert_near(run.get("cam.pressure_angle"), angle, 1e-12, &what);
                 assert!(angle.abs() < 1.2, "{what}: {angle}");
-                // Cam and lever by Euler, the lever's mass at half its length.
+                // Euler's equations of cam and lever. The centre of mass of the lever is at half its length.
                 assert_near(0.004 * alpha, -0.5 - at.perp(&mesh), 1e-12 * size, &what);
                 let inertia = 0.3 * 0.16 * 0.16 / 3.0;
                 assert_near(inertia * psi, 1.5 + (at - pivot).perp(&mesh), 1e-11 * size, &what);
@@ -159,51 +160,51 @@ fn an_oscillating_follower_balances_with_its_cam() {
 }
 
 #[test]
-fn a_follower_that_lifts_off_is_told_once() {
+fn a_follower_that_lifts_off_gives_one_warning() {
     let run = |change: &dyn Fn(&mut Value)| {
         let text = changed(translating("polynomial_345", parsed(ROLLER)), |m| {
             m["solver"]["tolerance"] = json!(1e-9);
             change(m);
         });
         let mut run = Run::new(&text).started();
-        let (mut told, mut first) = (Vec::new(), None);
+        let (mut warnings, mut first) = (Vec::new(), None);
         for k in 0..150 {
             let point = 3.0 + 0.01 * f64::from(k);
             let before = run.snapshot();
             run.0.model_mut().step_from(Some(point), 0.01).unwrap();
             if let Some(warning) = run.0.model_mut().take_warning() {
-                // After a rollback the same step gives the same answer.
+                // After a rollback the repeated step gives the same warning.
                 run.restore(&before).unwrap();
                 run.0.model_mut().step_from(Some(point), 0.01).unwrap();
                 assert_eq!(run.0.model_mut().take_warning().as_ref(), Some(&warning));
-                told.push(warning);
+                warnings.push(warning);
             }
             let force = run.get("cam.contact_force");
             if force < 0.0 {
                 first = first.or(Some((point + 0.01, force)));
             }
         }
-        (told, first)
+        (warnings, first)
     };
-    let (told, first) = run(&|_| {});
+    let (warnings, first) = run(&|_| {});
     let (time, force) = first.unwrap();
-    let [warning] = &told[..] else { panic!("{told:?}") };
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
     let (time, force) = (format!("at t = {time} s"), format!("{force:.3}"));
     assert_says(
         warning,
         &["cam.contact_force", "lift off", &time[..10], &force[..5], "spring", "couplings.cam", "grooved"],
     );
-    // A spring that presses harder than the follower is thrown, or a groove.
-    let (told, first) = run(&|m| m["springs"]["spring"]["preload"] = json!(900));
-    assert!(told.is_empty() && first.is_none(), "{told:?} {first:?}");
-    let (told, first) = run(&|m| m["couplings"]["cam"]["grooved"] = json!(true));
-    assert!(told.is_empty() && first.is_some(), "{told:?}");
-    // Without any load and without motion the contact force is 0, which is no lifting off.
-    let (told, first) = run(&|m| {
+    // With a stronger spring, or with a groove, there is no warning.
+    let (warnings, first) = run(&|m| m["springs"]["spring"]["preload"] = json!(900));
+    assert!(warnings.is_empty() && first.is_none(), "{warnings:?} {first:?}");
+    let (warnings, first) = run(&|m| m["couplings"]["cam"]["grooved"] = json!(true));
+    assert!(warnings.is_empty() && first.is_some(), "{warnings:?}");
+    // Without loads and motion the contact force is 0, which is not a loss of contact.
+    let (warnings, first) = run(&|m| {
         m["gravity"]["acceleration"] = json!(0);
         m["torques"]["motor"]["torque"] = json!(0);
         m["start"]["speed"] = json!(0);
         m["springs"]["spring"]["stiffness"] = json!(0);
     });
-    assert!(told.is_empty(), "{told:?} {first:?}");
+    assert!(warnings.is_empty(), "{warnings:?} {first:?}");
 }

@@ -1,4 +1,4 @@
-//! Laws of the lift: borders of segments in panels and steps, tables, parameters.
+//! Laws of the lift: borders of segments in panels and steps, tables of lift, parameters.
 use super::{ROLLER, parsed, translating};
 use crate::support::{Run, assert_near, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
@@ -22,7 +22,7 @@ fn panels_of_a_cam_end_at_its_segments() {
 
 #[test]
 fn energy_drifts_by_the_tolerance_across_the_borders_of_segments() {
-    // Steps end at the borders, where the jerk jumps, so that no error estimate has a jump within its step.
+    // Steps end at the borders of segments, where the jerk jumps. The error estimate of a step then contains no jump.
     for law in ["cycloidal", "polynomial_345", "polynomial_4567"] {
         for (tolerance, most) in [(1e-8, 1e-6), (1e-11, 1e-9), (1e-14, 1e-11)] {
             let text = changed(translating(law, parsed(ROLLER)), |m| m["solver"]["tolerance"] = json!(tolerance));
@@ -38,7 +38,8 @@ fn energy_drifts_by_the_tolerance_across_the_borders_of_segments() {
 
 #[test]
 fn borders_end_the_steps_of_a_motion_that_turns_back_or_coasts() {
-    // Without a motor the disc's weight swings it to and fro over the borders, and without gravity it turns for ever.
+    // Without a motor the weight of the disc swings the disc across the borders. Without gravity the disc rotates
+    // without end.
     for (gravity, speed) in [(9.81, 3.0), (0.0, 40.0)] {
         let text = changed(translating("polynomial_345", parsed(ROLLER)), |m| {
             m["gravity"]["acceleration"] = json!(gravity);
@@ -56,7 +57,7 @@ fn borders_end_the_steps_of_a_motion_that_turns_back_or_coasts() {
             assert!(drift.abs() < 1e-8, "{gravity}: {drift}");
         }
         assert_eq!(turned_back, gravity > 0.0);
-        // One long step passes over whole periods, and comes to the same place.
+        // One long step skips whole periods and ends in the same state.
         other.step(5.0);
         for name in ["disc.angle", "disc.speed"] {
             let (one, two) = (run.get(name), other.get(name));

@@ -1,5 +1,5 @@
-//! Couplings of variable ratio against closed forms and Newton and Euler: elliptic gears, and cams with followers that
-//! slide or turn, with rollers or flat faces.
+//! Couplings of variable ratio against closed forms and the Newton-Euler equations: elliptic gears, and cams with
+//! followers that slide or rotate, with rollers or flat faces.
 mod elliptic_gears;
 mod followers;
 mod laws;
@@ -26,15 +26,15 @@ pub fn elliptic(keys: Value) -> String {
     .to_string()
 }
 
-/// Segments: rise, dwell, return, dwell.
+/// Segments of a cam: rise, dwell, return, dwell.
 fn segments(law: &str, rise: f64) -> Value {
     json!([{ "law": law, "angle": 1.6, "rise": rise }, { "law": "dwell", "angle": 0.7 }, { "law": law, "angle": 2.2,
         "rise": -rise },
         { "law": "dwell" }])
 }
 
-/// A cam of 1.2 kg and 0.004 kg.m2 at (0.05, -0.02), with its centre of mass beside its axis, and a follower of 0.6 kg
-/// that slides upward, 0.012 m beside the axis, with a spring.
+/// A cam of 1.2 kg and 0.004 kg.m2 at (0.05, -0.02) with an eccentric centre of mass, and a follower of 0.6 kg with a
+/// spring. The follower slides upward at an offset of 0.012 m from the axis of the cam.
 pub fn translating(law: &str, follower: Value) -> String {
     let mut coupling = json!({ "type": "cam", "first": "disc.origin", "joint": "guide", "contact": "stem.tip",
         "base_radius": 0.04, "start_angle": 0.5, "segments": segments(law, 0.02) });

@@ -1,10 +1,10 @@
-//! What is no cam and no elliptic gear: refused by name.
+//! Invalid cams and elliptic gears are rejected with the key in the message.
 use super::{ROLLER, elliptic, oscillating, parsed, translating};
 use crate::support::{Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 
 #[test]
-fn what_is_no_cam_is_refused() {
+fn wrong_cams_are_rejected() {
     let refused = |base: &str, key: &str, value: Value, pieces: &[&str]| {
         let text = changed(base, |m| match value {
             Value::Null => drop(m["couplings"]["cam"].as_object_mut().unwrap().remove(key)),
@@ -48,9 +48,10 @@ fn what_is_no_cam_is_refused() {
     assert_says(refusal(beyond), &["couplings.mesh.eccentricity", "0.95", "0.9"]);
 }
 
-/// A cam may have the name of its disc; gears that have one of a joint would give its reaction twice.
+/// A cam may have the name of its disc. Gears with the name of a joint are rejected: both would have outputs of one
+/// name.
 #[test]
-fn a_coupling_is_refused_only_where_variables_have_one_name() {
+fn a_coupling_is_rejected_only_for_equal_variable_names() {
     let renamed = |text: &str, name: &str| {
         changed(text, |m| {
             let couplings = m["couplings"].as_object().unwrap().values().cloned();
@@ -58,7 +59,7 @@ fn a_coupling_is_refused_only_where_variables_have_one_name() {
         })
     };
     let text = changed(renamed(&translating("cycloidal", parsed(ROLLER)), "disc"), |m| {
-        // The start has a parameter of this name.
+        // The start has a parameter `disc.start_angle` too.
         m["couplings"]["disc"].as_object_mut().unwrap().remove("start_angle");
     });
     let mut cam = Run::new(text).started();

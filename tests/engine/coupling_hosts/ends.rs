@@ -1,7 +1,7 @@
-//! The piston at the rigid ends of its cylinder: the gear has no stop there.
+//! Contact of the piston with the rigid ends of its cylinder. The gear has no stop at these positions.
 use super::*;
 
-/// The retraction against the end of a cylinder whose stroke ends before the gear is up.
+/// The retraction in a cylinder whose stroke ends before the gear is fully up.
 fn extension() -> Scene {
     let mut scene = retraction();
     scene.start.push(Set::Switch("upstop.enabled", false));
@@ -9,7 +9,7 @@ fn extension() -> Scene {
     scene
 }
 
-/// The actuator draws the gear, which begins between its stops, to the end at which the rod is in.
+/// The actuator moves the gear from between its stops to the retracted end of the cylinder.
 fn contraction() -> Scene {
     let start = vec![
         Set::Switch("downstop.enabled", false),
@@ -21,7 +21,7 @@ fn contraction() -> Scene {
     Scene { start, ..retraction() }
 }
 
-/// Forces of oil and end, and the angle, at rest on an end are those of one system, whatever the step.
+/// At rest at an end of the cylinder, oil force, end force and angle agree with the single system for every step size.
 #[test]
 fn a_load_at_rest_on_an_end_is_that_of_one_system() {
     for (scene, sign) in [(extension(), -1.0), (contraction(), 1.0)] {
@@ -38,10 +38,10 @@ fn a_load_at_rest_on_an_end_is_that_of_one_system() {
     }
 }
 
-/// The piston comes to the end and leaves it when the command reverses: the error is that of a free motion, with a
-/// cushion and without, and after a rebound.
+/// The piston reaches the end and leaves it when the command reverses. The error is as small as in a free motion, with
+/// and without a cushion, and after a rebound.
 #[test]
-fn an_end_is_met_and_left_as_in_one_system() {
+fn an_end_is_reached_and_left_as_in_one_system() {
     for (cushion, restitution) in [(0.03, 0.0), (0.0, 0.0), (0.0, 0.5)] {
         let mut scene = extension();
         scene.start.push(Set::Circuit("cushion_b.length", cushion));
@@ -66,7 +66,7 @@ fn an_end_is_met_and_left_as_in_one_system() {
     }
 }
 
-/// Steps that change, which nobody announces, lose neither the gear nor the load at the end.
+/// Step sizes that change without an announced horizon (`preview.horizon` = 0) do not change the rest at the end.
 #[test]
 fn steps_may_change_at_an_end() {
     let scene = Scene { end: 6.0, sample: 6.0, ..extension() };
@@ -80,8 +80,8 @@ fn steps_may_change_at_an_end() {
     }
 }
 
-/// A mean force that is held stops the mechanism one step late: it is then past the end by less than its way in this
-/// step, wherever in the step the piston came to the end.
+/// A mean force that is held stops the mechanism one step late. The mechanism then overruns the end by less than its
+/// motion in this step, wherever in the step the piston reaches the end.
 #[test]
 fn a_fast_mechanism_may_be_past_an_end_by_its_way_in_a_step() {
     for k in 0..20 {

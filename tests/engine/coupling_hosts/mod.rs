@@ -1,5 +1,5 @@
-//! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against the same as one system:
-//! rest at stops and locks, release, steps that change, jumps of command and load.
+//! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against both as a single
+//! system: rest at stops and locks, release, changing steps, jumps of command and load.
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
@@ -11,7 +11,7 @@ const ONE: &str = include_str!("../../../modelDescription/LandingGearRetractionH
 
 /// Relative tolerance of the integrations.
 const TOLERANCE: f64 = 1e-11;
-/// Inputs of the actuator that are outputs of the gear, of one name.
+/// Inputs of the actuator that are outputs of the gear with the same name.
 const SHARED: [&str; 8] = [
     "length",
     "speed",
@@ -26,17 +26,17 @@ const SHARED: [&str; 8] = [
 /// How a host exchanges values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Host {
-    /// The mean force, held; the actuator keeps the motion foreseen.
+    /// The mean force, held over the step. The actuator keeps its predicted motion.
     Held,
-    /// The line of the force.
+    /// The force as a linear function of time.
     Line,
-    /// The line; the actuator moves with the gear's motion.
+    /// The linear force. The actuator then repeats the step with the motion of the gear.
     TwoPasses,
-    /// All values one step late, in the mode delayed: the mean force, held.
+    /// The mean force, held. All values arrive one step late (coupling mode `delayed`).
     Late,
 }
 
-/// A value that a host sets at a time: of the gear, a switch of the gear, of the circuit.
+/// A value that a host sets: of the gear, of a Boolean input of the gear, or of the circuit.
 #[derive(Clone, Copy, Debug)]
 enum Set {
     Gear(&'static str, f64),
@@ -44,7 +44,7 @@ enum Set {
     Circuit(&'static str, f64),
 }
 
-/// A run from the start to its end, its values at multiples of a time.
+/// Inputs of a run from its start to its end, and the interval at which its values are recorded.
 struct Scene {
     gear: String,
     one: String,
@@ -54,7 +54,7 @@ struct Scene {
     sample: f64,
 }
 
-/// Time, crank angle, force of the actuator, torque of the up stop, force of the ends of the cylinder.
+/// Time, crank angle, actuator force, torque of the up stop, force of the cylinder ends.
 type Row = [f64; 5];
 
 /// The retraction of scene H1.
@@ -99,7 +99,7 @@ impl Mechanism {
     }
 }
 
-/// What happens at or before the time is set.
+/// Apply the changes up to this time.
 fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set)) {
     while later.get(*done).is_some_and(|(when, _)| *when <= time + 1e-9) {
         set(later[*done].1);
@@ -107,7 +107,7 @@ fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set
     }
 }
 
-/// Gear and hydraulics as one system.
+/// Gear and hydraulics as a single system.
 fn one_system(scene: &Scene) -> Vec<Row> {
     let mut whole = Mechanism(mechanism::Model::from_json(&scene.one).unwrap());
     let apply = |whole: &mut Mechanism, set: Set| match set {
@@ -133,7 +133,8 @@ fn one_system(scene: &Scene) -> Vec<Row> {
     rows
 }
 
-/// Orders 1 to 4 of the derivatives of the speed that has v and a at both ends of a step and covers `way`.
+/// Derivatives of orders 1 to 4 of the speed polynomial with values v and slopes a at both ends of a step and integral
+/// `way`.
 fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
     let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
     let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
@@ -141,7 +142,8 @@ fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64
     [a, 2.0 * second / h.powi(2), 6.0 * third / h.powi(3), 24.0 * fourth / h.powi(4)]
 }
 
-/// Gear and actuator in a host that makes these steps, and sets `preview.horizon` to each or leaves it at 0.
+/// Gear and actuator in a host that makes these steps. If `announces`, the host sets `preview.horizon` to each step
+/// size, else to 0.
 fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool) -> Vec<Row> {
     let mut gear = Mechanism(mechanism::Model::from_json(&scene.gear).unwrap());
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
@@ -169,7 +171,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
     exchange(&mut gear, &mut oil);
     oil.0.initialize().unwrap();
     let name = if matches!(host, Host::Line | Host::TwoPasses) { "preview.force" } else { "preview.force_mean" };
-    let (mut rows, mut done, mut time, mut told) = (Vec::new(), 0, 0.0, None);
+    let (mut rows, mut done, mut time, mut late_force) = (Vec::new(), 0, 0.0, None);
     for k in 0.. {
         if time >= scene.end - 1e-9 {
             break;
@@ -180,7 +182,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
         }
         if host == Host::Late {
             exchange(&mut gear, &mut oil);
-            gear.set("actuator.force", told.unwrap_or_else(|| oil.get(name)));
+            gear.set("actuator.force", late_force.unwrap_or_else(|| oil.get(name)));
             at(&scene.later, &mut done, time, |set| apply(&mut gear, &mut oil, set));
             gear.0.step(h).unwrap();
         } else {
@@ -204,7 +206,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
             }
         }
         oil.0.step(h).unwrap();
-        told = Some(oil.get(name));
+        late_force = Some(oil.get(name));
         time += h;
         if time >= (rows.len() + 1) as f64 * scene.sample - 1e-9 {
             exchange(&mut gear, &mut oil);
@@ -228,20 +230,21 @@ fn differences(rows: &[Row], of_one: &[Row]) -> [f64; 2] {
 
 const HOSTS: [Host; 4] = [Host::Held, Host::Line, Host::TwoPasses, Host::Late];
 
-/// At the up stop under pressure: force and torque of the stop are those of one system, whatever the step.
+/// At rest at the up stop under pressure: force and torque of the stop agree with the single system for every step
+/// size.
 #[test]
 fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
     let [[_, _, force, torque, _]] = one_system(&scene)[..] else { panic!("one row") };
     assert!(force > 3e4 && torque.abs() > 7e3, "{force} {torque}");
-    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-4, 1e-3, 1e-2, 5e-2].map(|h| (host, h))) {
         let [[_, _, own_force, own_torque, _]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
         assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
         assert!((own_torque / torque - 1.0).abs() < 1e-9, "{host:?} {h}: {own_torque} N.m is not {torque} N.m");
     }
 }
 
-/// A lock holds the gear while the pressure rises: the force is that of one system at all times.
+/// While a lock holds the gear and the pressure rises, the force agrees with the single system at all times.
 #[test]
 fn a_load_on_a_lock_is_that_of_one_system() {
     let scene = locked();
@@ -252,9 +255,9 @@ fn a_load_on_a_lock_is_that_of_one_system() {
     }
 }
 
-/// The command reverses and draws the gear off the up stop within a step: the error is that of a free motion.
+/// The command reverses and moves the gear off the up stop within a step. The error is as small as in a free motion.
 #[test]
-fn a_release_from_a_stop_errs_as_a_free_motion() {
+fn the_error_after_a_release_from_a_stop_is_that_of_a_free_motion() {
     let later = vec![(5.0, Set::Circuit("valve.command", -1.3))];
     let scene = Scene { later, end: 5.6, sample: 0.2, ..retraction() };
     let of_one = one_system(&scene);
@@ -274,9 +277,9 @@ fn a_release_from_a_stop_errs_as_a_free_motion() {
     }
 }
 
-/// The down lock lets go of the gear under full pressure.
+/// The down lock releases the gear under full pressure. The error is as small as in a free motion.
 #[test]
-fn a_release_from_a_lock_errs_as_a_free_motion() {
+fn the_error_after_a_release_from_a_lock_is_that_of_a_free_motion() {
     let scene = Scene { later: vec![(0.4, Set::Switch("downlock.engage", false))], sample: 0.2, ..locked() };
     let of_one = one_system(&scene);
     for (host, h, most) in [
@@ -286,6 +289,7 @@ fn a_release_from_a_lock_errs_as_a_free_motion() {
         (Host::Line, 1e-2, 1e-5),
         (Host::TwoPasses, 1e-3, 2e-8),
         (Host::TwoPasses, 1e-2, 2e-5),
+        (Host::Late, 1e-3, 4e-4),
     ] {
         let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
         println!("lock lets go {host:?} {h}: {angle:.1e} rad");
@@ -293,7 +297,7 @@ fn a_release_from_a_lock_errs_as_a_free_motion() {
     }
 }
 
-/// Steps from 0.25 to 20 ms at random, which the host announces, or nobody.
+/// Random steps from 0.25 to 20 ms, with and without an announced horizon.
 #[test]
 fn steps_may_change_whether_announced_or_not() {
     let scene = retraction();
@@ -323,14 +327,14 @@ fn steps_may_change_whether_announced_or_not() {
     }
 }
 
-/// Equal steps with a horizon of 0 are those with the step as the horizon.
+/// With equal steps, the horizon 0 gives the same results as the step size as the horizon.
 #[test]
 fn a_horizon_of_0_is_the_last_step() {
     let scene = Scene { end: 0.5, ..retraction() };
     for host in HOSTS {
-        let [told, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
-        // The last step has another last bit.
-        let [angle, force] = differences(&told, &own);
+        let [announced, own] = [true, false].map(|announces| pair(&scene, host, &|_| 1e-3, announces));
+        // The computed size of a step differs in the last bit.
+        let [angle, force] = differences(&announced, &own);
         assert!(angle < 1e-13 && force < 1e-8, "{host:?}: {angle:e} rad, {force:e} N");
     }
     let of_one = one_system(&scene);
@@ -338,7 +342,7 @@ fn a_horizon_of_0_is_the_last_step() {
     assert!(angle < 3e-4, "{angle:e} rad");
 }
 
-/// In a late host the command acts a step late; the gear then catches up.
+/// In a host with delay a jump of the command acts one step late. Afterwards the error decays.
 #[test]
 fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
     let scene =
@@ -351,22 +355,27 @@ fn a_jump_of_the_command_in_a_late_host_is_caught_up() {
     }
 }
 
-/// In a late host a load that jumps moves the gear for two steps before any force answers.
+/// In a late host the gear moves for two steps under the new load before the actuator's force reacts. The error of the
+/// angle persists, as the valve determines the speed only; the error of the force decays.
 #[test]
-fn a_jump_of_the_load_in_a_late_host_is_met() {
+fn a_jump_of_the_load_in_a_late_host_is_followed() {
     let scene =
         Scene { later: vec![(1.0, Set::Gear("wheel.force_x", 1000.0))], end: 1.5, sample: 0.02, ..retraction() };
     let of_one = one_system(&scene);
-    for (h, most_angle, most_force) in [(1e-4, 2e-7, 0.1), (1e-3, 1e-5, 20.0)] {
-        let [angle, force] = differences(&pair(&scene, Host::Late, &|_| h, true), &of_one);
-        println!("jump of the load, late {h}: {angle:.1e} rad, {force:.1e} N");
+    for (h, most_angle, most_force) in [(1e-4, 2e-7, 0.1), (1e-3, 1e-5, 20.0), (5e-3, 1e-3, 3e3)] {
+        let rows = pair(&scene, Host::Late, &|_| h, true);
+        let [angle, force] = differences(&rows, &of_one);
+        let half_a_second_later = rows.len() - 1;
+        let [_, force_left] = differences(&rows[half_a_second_later..], &of_one[half_a_second_later..]);
+        println!("jump of the load, late {h}: {angle:.1e} rad, {force:.1e} N, at last {force_left:.1e} N");
         assert!(angle < most_angle && force < most_force, "{h}: {angle:e} rad, {force:e} N");
+        assert!(force_left < 0.01 * most_force, "{h}: {force_left:e} N half a second later");
     }
 }
 
-/// Some hosts set every connected input to 0 before the first step, as FMPy's `simulate_ssp` does.
+/// Some hosts, such as FMPy's `simulate_ssp`, set every connected input to 0 before the first step.
 #[test]
-fn a_host_that_begins_with_zeros_is_followed() {
+fn a_host_that_starts_with_zeros_is_followed() {
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
     oil.0.initialize().unwrap();
     let start = oil.get("actuator.length");
@@ -376,21 +385,28 @@ fn a_host_that_begins_with_zeros_is_followed() {
     assert_eq!(oil.get("actuator.length"), start);
 }
 
-/// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad, met in steps of 20 ms.
+/// A bumper of 3e5 N.m/rad and 1000 N.m.s/rad in steps of up to 20 ms.
 #[test]
-fn a_bumper_is_met_in_long_steps() {
+fn a_bumper_is_reached_in_long_steps() {
     let bumper = r#""angle": -1.28, "rigid": false, "stiffness": 3e5, "damping": 1000, "flag""#;
     let [gear, one] = [GEAR, ONE].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
     let scene = Scene { gear, one, end: 5.0, ..retraction() };
     let of_one = one_system(&scene);
-    for (host, h, most) in [(Host::TwoPasses, 1e-2, 5e-5), (Host::TwoPasses, 2e-2, 2e-3), (Host::Held, 2e-2, 3e-3)] {
+    for (host, h, most) in [
+        (Host::TwoPasses, 1e-2, 5e-5),
+        (Host::TwoPasses, 2e-2, 2e-3),
+        (Host::Held, 2e-2, 3e-3),
+        (Host::Late, 1e-3, 5e-5),
+        (Host::Late, 5e-3, 1e-3),
+    ] {
         let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
         println!("bumper {host:?} {h}: {angle:.1e} rad");
         assert!(angle < most, "{host:?} {h}: {angle:e} rad");
     }
 }
 
-/// Limits of the gear's actuator: the lengths at its stops, the present one while a stop or a lock holds it.
+/// The limit outputs of the gear's actuator are its lengths at the stops, or the present length while a stop or lock
+/// holds.
 #[test]
 fn limits_are_the_lengths_at_the_stops_or_the_present_one() {
     let mut gear = Mechanism(mechanism::Model::from_json(GEAR).unwrap());

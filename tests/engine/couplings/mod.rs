@@ -1,9 +1,9 @@
-//! Couplings against closed forms: gears, racks and belts, alone, in trains and round a carrier.
+//! Couplings against closed forms: gears, racks and belts, single, in trains and on a carrier.
 mod refusals;
 mod shafts;
 mod trains;
 
-/// Two shafts 0.3 m apart, with a coupling of these keys between them; inertias 0.02 and 0.5 kg.m2, masses 2 and 5 kg.
+/// Two shafts 0.3 m apart with one coupling of these keys: inertias 0.02 and 0.5 kg.m2, masses 2 and 5 kg.
 pub fn shafts(coupling: &str) -> String {
     format!(
         r#"{{ "name": "Shafts", "gravity": {{ "acceleration": 9.81, "up_angle": 1.5707963267948966 }},
@@ -25,7 +25,7 @@ fn assert_near(value: f64, expected: f64, scale: f64, what: &str) {
     assert!((value - expected).abs() <= 1e-13 * scale, "{what}: {value} instead of {expected}");
 }
 
-/// Geared five-bar linkage: cranks of 0.1 and 0.12 m, geared 2 : 1 against one another, rods of 0.35 and 0.4 m.
+/// Geared five-bar linkage: cranks of 0.1 and 0.12 m with gears 2 : 1, rods of 0.35 and 0.4 m.
 pub fn five_bar() -> String {
     r#"{ "name": "FiveBar", "gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 },
       "bodies": { "ground": { "length": 0.3 },

@@ -1,10 +1,10 @@
-//! Couplings that cannot be, or that look wrong: refused and warned of by name.
+//! Invalid couplings are rejected and doubtful ones reported as warnings, with the key in the message.
 use super::{GEARS, five_bar, shafts};
 use crate::support::{Run, assert_says, changed, refusal, replaced};
 use serde_json::json;
 
 #[test]
-fn what_cannot_be_coupled_is_refused() {
+fn impossible_couplings_are_rejected() {
     let refused = |coupling: &str, pieces: &[&str]| {
         assert_says(refusal(shafts(coupling)), pieces);
     };
@@ -31,7 +31,7 @@ fn what_cannot_be_coupled_is_refused() {
     let other =
         replaced(&other, &[(r#""second":"two.origin","second_teeth""#, r#""second":"two.rim","second_teeth""#)]);
     assert_says(refusal(other), &["two.rim", "has no revolute joint on ground", "revolute"]);
-    // A second ratio between the same shafts leaves no freedom.
+    // A second, different ratio between the same shafts leaves no degree of freedom.
     let twice = changed(shafts(GEARS), |m| {
         m["couplings"]["belt"] = json!({ "type": "belt", "first": "one.origin", "second": "two.origin",
             "first_radius": 0.05, "second_radius": 0.08 });
@@ -50,9 +50,9 @@ fn the_other_formulation_names_the_coupling() {
     assert_says(refusal(&text), &["mesh", "gears", "solver.method = \"reduced\""]);
 }
 
-/// A planet of 24 teeth between a sun of 24 and a ring of 72 is one wheel; with a ring of 100 it would be two.
+/// A planet of 24 teeth fits between a sun of 24 and a ring of 72. With a ring of 100 it would need two pitch circles.
 #[test]
-fn a_wheel_with_two_pitch_circles_is_warned_of() {
+fn a_wheel_with_two_pitch_circles_gives_a_warning() {
     let train = |ring: u32, second: u32| {
         json!({
             "name": "Planetary",
@@ -77,7 +77,7 @@ fn a_wheel_with_two_pitch_circles_is_warned_of() {
     };
     let warned = |ring: u32, second: u32| Run::new(train(ring, second)).warnings();
     assert_eq!(warned(72, 24), Vec::<String>::new());
-    // A stepped planet has another number of teeth on its second step.
+    // A stepped planet has different numbers of teeth on its two wheels.
     assert_eq!(warned(100, 20), Vec::<String>::new());
     let all = warned(100, 24);
     assert_eq!(all.len(), 1, "{all:?}");

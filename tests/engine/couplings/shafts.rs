@@ -1,9 +1,9 @@
-//! Two shafts with one coupling between them: motion, transmitted force, and the directions in which it presses.
+//! Two shafts with one coupling: motion, transmitted force, and direction of the contact force.
 use super::{BELT, GEARS, assert_near, shafts};
 use crate::support::{Run, Vec2};
 
-/// Motion and transmitted force of two shafts: inertia J1 + i^2 J2 on the first, motor 3 N.m, load -1 N.m, speed ratio
-/// i. Returns the run and the transmitted force.
+/// Check motion and transmitted force of two shafts with the speed ratio i: inertia J1 + i^2 J2 at the first shaft,
+/// motor 3 N.m, load -1 N.m. Returns the run and the transmitted force.
 fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
     let mut run = Run::new(shafts(coupling)).started();
     let acceleration = (3.0 - ratio) / (0.02 + ratio * ratio * 0.5);
@@ -19,13 +19,13 @@ fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
     let second = 1.1 + ratio * (run.get("one.angle") - 0.4);
     assert_near(run.get("two.angle"), second, angle.abs(), "angle of the second, as it is in the guess");
     assert!(run.get("energy.drift").abs() < 1e-9 * run.get("energy.kinetic"));
-    // On the second shaft: J2 alpha2 = arm x force - 1, where a positive force drives the second body forward.
+    // Second shaft: J2 alpha2 = arm x force - 1. A positive force drives the second body forward.
     let transmitted = (0.5 * ratio * acceleration + 1.0) / arm;
     assert_near(run.get("mesh.transmitted_force"), transmitted, transmitted.abs(), "transmitted force");
     (run, transmitted)
 }
 
-/// The hinges hold the weights and what the coupling exerts; the force on the second shaft is this one.
+/// The hinges carry the weights and the coupling forces. `on_second` is the coupling force on the second shaft.
 fn check_hinges(run: &mut Run, on_second: Vec2) {
     let (a, b, mesh) = (run.force("a"), run.force("b"), run.force("mesh"));
     let size = on_second.norm() + 50.0;
@@ -38,7 +38,7 @@ fn check_hinges(run: &mut Run, on_second: Vec2) {
     assert_near(run.get("mesh.force"), on_second.norm(), size, "magnitude");
 }
 
-/// Unit vector from the first centre to the second, and the one across it, anticlockwise.
+/// Unit vector from the first centre to the second, and its normal, anticlockwise.
 fn across() -> [Vec2; 2] {
     [Vec2::new(0.6, 0.8), Vec2::new(-0.8, 0.6)]
 }
@@ -51,7 +51,8 @@ fn gears_turn_against_one_another_and_press_apart() {
         [(20f64.to_radians(), ""), (0.0, r#", "pressure_angle": 0"#), (0.5, r#", "pressure_angle": 0.5"#)]
     {
         let (mut run, transmitted) = check_shafts(&format!("{GEARS}{key}"), ratio, arm);
-        // Forward of the second is anticlockwise about the pitch point on its near side: against the tangent.
+        // When the second wheel turns forward (anticlockwise), its near side with the pitch point moves against the
+        // tangent.
         check_hinges(&mut run, -transmitted * tangent + transmitted.abs() * angle.tan() * along);
     }
 }
@@ -74,13 +75,13 @@ fn teeth_press_apart_whichever_flank_bears() {
 fn a_pinion_turns_with_its_ring() {
     let [along, tangent] = across();
     let tan = 20f64.to_radians().tan();
-    // The pinion first: the pitch point is on its far side, and the ring is pushed towards it.
+    // Pinion as the first wheel: the pitch point is on its far side, and the ring is pushed towards the pinion.
     let internal = |teeth: [f64; 2]| {
         format!(r#""type": "gears", "internal": true, "first_teeth": {}, "second_teeth": {}"#, teeth[0], teeth[1])
     };
     let (mut run, transmitted) = check_shafts(&internal([17.0, 43.0]), 17.0 / 43.0, 0.3 * 43.0 / 26.0);
     check_hinges(&mut run, -transmitted * tangent - transmitted.abs() * tan * along);
-    // The ring first: the pitch point is beyond the pinion, which is pushed towards the ring's centre.
+    // Ring as the first wheel: the pitch point is beyond the pinion, which is pushed towards the centre of the ring.
     let (mut run, transmitted) = check_shafts(&internal([43.0, 17.0]), 43.0 / 17.0, 0.3 * 17.0 / 26.0);
     check_hinges(&mut run, transmitted * tangent - transmitted.abs() * tan * along);
 }
@@ -92,12 +93,12 @@ fn a_belt_pulls_along_its_spans() {
         let sign = if crossed { -1.0 } else { 1.0 };
         let keys = format!(r#"{BELT}, "crossed": {crossed}, "pretension": {tension}"#);
         let (mut run, transmitted) = check_shafts(&keys, sign * 0.05 / 0.08, 0.08);
-        // Unit vectors from the first pulley to the second along the spans, left and right of the line of the centres.
+        // Unit vectors along the spans, left and right of the line of centres, from the first pulley to the second.
         let cosine = (0.05 - sign * 0.08) / 0.3;
         let sine = f64::sqrt(1.0 - cosine * cosine);
         let [left, right] = [1.0, -1.0].map(|side| sine * along - side * cosine * across);
-        // The left span of an open belt is tight when it drives the second pulley forward, the right one of a crossed
-        // belt.
+        // When the second pulley is driven forward, the left span of an open belt is tight, and the right span of a
+        // crossed belt.
         let (one, other) = (tension + 0.5 * sign * transmitted, tension - 0.5 * sign * transmitted);
         check_hinges(&mut run, -(one * left + other * right));
     }

@@ -7,7 +7,7 @@ use linkage_fmu::simulation::Simulation;
 use serde_json::json;
 use std::f64::consts::{PI, TAU};
 
-/// A wheel of 0.2 m on a cart, which rolls on a rack with this slope: the ground, to the right of the axis.
+/// A wheel of 0.2 m on a cart. It rolls on a rack of the ground with this slope, to the right of the wheel's axis.
 fn rolling(slope: f64, second_is_rack: bool) -> String {
     let (first, second) =
         if second_is_rack { ("cart.origin", "ground.origin") } else { ("ground.origin", "cart.origin") };
@@ -38,13 +38,13 @@ fn a_wheel_rolls_down_a_slope() {
         let travelled = 0.5 * acceleration * 16.0;
         assert!((run.get("path.position") - 0.1 - sign * travelled).abs() < 1e-8 * travelled);
         assert_near(run.get("path.acceleration"), sign * acceleration, acceleration, "acceleration");
-        // Clockwise as it rolls to the right with the rack below it; the start is 0.1 m from the guess.
+        // The wheel turns clockwise as it rolls to the right on the rack. The start is 0.1 m from the guess.
         let rolled = sign * run.get("path.position");
         assert_near(run.get("wheel.angle"), 0.3 - rolled / 0.2, rolled / 0.2, "angle");
         let along = Vec2::new(slope.cos(), slope.sin());
         let normal = Vec2::new(-slope.sin(), slope.cos());
         let tangential = 0.03 * acceleration / 0.04;
-        // The wheel presses the rack forward along its motion and down, the rack the cart's wheel.
+        // Forces on the rack: along the motion from the traction of the wheel, and downwards.
         let rack = run.force("rack");
         let expected = tangential * along - tangential * 20f64.to_radians().tan() * normal;
         assert!((rack - expected).norm() < 1e-12 * tangential, "{rack} {expected}");
@@ -85,7 +85,8 @@ fn planetary(planets: usize) -> String {
 fn a_planetary_gear_obeys_willis() {
     for planets in [1, 3] {
         let mut run = Run::new(planetary(planets)).started();
-        // (omega_sun - omega_arm) / (0 - omega_arm) = -72 / 24; the planet turns by -24/24 of the sun's relative turn.
+        // Willis: (omega_sun - omega_arm) / (0 - omega_arm) = -72 / 24. The planet turns -24/24 times the relative turn
+        // of the sun.
         let (arm, planet) = (0.25, 0.25 - 0.75);
         let count = planets as f64;
         let inertia = 0.01 + arm * arm * (0.2 + count * 0.7 * 0.01) + count * 0.003 * planet * planet;
@@ -101,12 +102,12 @@ fn a_planetary_gear_obeys_willis() {
         let turned = run.get("sun.angle") - 0.2;
         assert!((turned - 2.0 * acceleration).abs() < 1e-8 * turned);
         assert_near(run.get("arm.angle") - 0.5, arm * turned, turned, "angle of the arm");
-        // Sun: J alpha = 5 - planets x force x radius 0.05; the planets share the load evenly.
+        // Sun: J alpha = 5 - planets x force x radius 0.05. All planets carry equal loads.
         let expected = (0.01 * acceleration - 5.0) / (0.05 * count);
         for k in 0..planets {
             assert_near(run.get(&format!("inner{k}.transmitted_force")), expected, 100.0, "inner mesh");
         }
-        // Planet: J alpha = (inner + outer) x radius of tangential forces.
+        // Planet: J alpha = (inner + outer) x radius, with the tangential forces.
         let (inner, outer) = (run.get("inner0.transmitted_force"), run.get("outer0.transmitted_force"));
         assert_near((inner + outer) * 0.05, 0.003 * planet * acceleration, 5.0, "planet");
         if planets == 3 {
@@ -144,8 +145,8 @@ fn a_train_passes_on_the_product_of_its_ratios() {
 }
 
 #[test]
-fn a_ratio_that_never_returns_goes_on_for_ever() {
-    // 1 : sqrt(2): no number of revolutions brings both wheels back.
+fn a_train_with_an_irrational_ratio_turns_without_end() {
+    // Ratio 1 : sqrt(2): no number of revolutions returns both wheels to their start angles.
     let irrational = GEARS.replace("17", "1").replace("43", &2f64.sqrt().to_string());
     let definition = shafts(&irrational);
     let reduced = Reduced::new(&Mechanism::from_json(&definition).unwrap()).unwrap();
@@ -160,7 +161,7 @@ fn a_ratio_that_never_returns_goes_on_for_ever() {
     let turned = run.get("one.angle") - 0.4;
     assert!((turned - 0.5 * acceleration * 1e4).abs() < 1e-7 * turned);
     assert!((run.get("two.angle") - 1.1 - ratio * turned).abs() < 1e-13 * turned, "after {} revolutions", turned / TAU);
-    // Teeth that return close the curve.
+    // With integer numbers of teeth the curve is closed.
     let reduced = Reduced::new(&Mechanism::from_json(&shafts(GEARS)).unwrap()).unwrap();
     assert!(reduced.period().is_some());
 }
@@ -202,7 +203,7 @@ fn a_geared_five_bar_balances_each_body() {
         assert!((theta[1] - 2.0 + 0.5 * (theta[0] - 0.6)).abs() < 1e-12 * theta[0].abs().max(1.0));
         let arm = |i: usize| lengths[i] * Vec2::new(theta[i].cos(), theta[i].sin());
         let turned = |v: Vec2| Vec2::new(-v.y, v.x);
-        // Acceleration of the far end of a body's rod relative to the near one.
+        // Acceleration of the outer end of a body's rod relative to its inner end.
         let end = |i: usize| alpha[i] * turned(arm(i)) - omega[i] * omega[i] * arm(i);
         let bases = [Vec2::zeros(), Vec2::new(0.3, 0.0)];
         let origins = [bases[0], bases[1], bases[0] + arm(0), bases[1] + arm(1)];
@@ -234,7 +235,7 @@ fn a_geared_five_bar_balances_each_body() {
                 "body {i} at step {step}: {sum} {moment} {size}"
             );
         }
-        // Relative to the work of the motor.
+        // The error is relative to the work of the motor.
         let work = 4.0 * (theta[0] - 0.6).abs();
         assert!(run.get("energy.drift").abs() < 1e-10 * work.max(1.0), "{}", run.get("energy.drift"));
     }

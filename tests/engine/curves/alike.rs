@@ -1,12 +1,12 @@
-//! Mechanisms with curves of every kind beside constant loads of the same size, and beside the finite elements.
+//! Elements with force curves, compared with constant loads of the same size and with the finite elements.
 use crate::support::{CURVES, FOUR_BAR, Run, changed, reals};
 use linkage_fmu::variables::Causality;
 use serde_json::json;
 
-/// Step with which the contact with the bumper is looked for [s].
+/// Step with which the contact with the bumper is located [s].
 const CONTACT: f64 = 2e-3;
 
-/// In any state a curve acts like a constant load of the present size: all outputs that both models have are the same.
+/// In any state an element with a curve acts like a constant load of its present size: all common outputs are equal.
 #[test]
 fn curves_act_like_constant_loads_of_their_size() {
     for (friction, angle, speed, command, h) in [
@@ -14,7 +14,7 @@ fn curves_act_like_constant_loads_of_their_size() {
         (true, 0.9, 14.0, 0.8, 0.0),
         (true, 2.5, -9.0, 0.4, 0.0),
         (true, 5.8, -33.0, -0.7, 0.0),
-        // On the bumper.
+        // In contact with the bumper.
         (false, 0.9, -14.0, 0.0, CONTACT),
         (true, 0.9, -14.0, 0.8, CONTACT),
     ] {
@@ -47,7 +47,7 @@ fn curves_act_like_constant_loads_of_their_size() {
         let mut compared = 0;
         for reference in reals(&plain, Causality::Output) {
             let name = plain.variables().get(reference).unwrap().name.clone();
-            // At rest, dampers give nothing, and drives another force.
+            // At rest dampers exert no force, and the force of a drive differs from that in motion.
             if name.contains("holding")
                 || name.starts_with("energy")
                 || name.starts_with("breakaway")
@@ -64,7 +64,7 @@ fn curves_act_like_constant_loads_of_their_size() {
     }
 }
 
-/// The finite elements know dampers with a curve and springs that wind up.
+/// The finite elements support dampers with a curve, and torsional springs over several turns.
 #[test]
 fn the_finite_elements_move_with_dampers_and_coils_of_curves() {
     let coil = json!([[-10, -0.09], [-3, -0.01], [4, 0.02], [12, 0.02], [20, 0.11]]);
@@ -92,7 +92,7 @@ fn the_finite_elements_move_with_dampers_and_coils_of_curves() {
         for (name, largest) in names.into_iter().zip(&mut largest) {
             let (a, b) = (one.get(name), other.get(name));
             *largest = largest.max(a.abs());
-            // The finite elements' error in time is of the second order.
+            // The time error of the finite elements is of second order.
             assert!((a - b).abs() < 1e-3 * *largest, "{name}: {a} {b}");
         }
     }

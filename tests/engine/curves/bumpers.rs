@@ -9,7 +9,7 @@ use serde_json::json;
 const BUFFER: [[f64; 2]; 5] = [[0.0, 0.0], [0.02, 15.0], [0.05, 90.0], [0.06, 90.0], [0.1, 800.0]];
 
 #[test]
-fn a_progressive_bumper_gives_back_what_it_takes() {
+fn a_progressive_bumper_returns_the_energy_it_absorbs() {
     let law = monotone(&BUFFER).unwrap();
     for (is_rotary, limit, sign) in [(false, "upper", 1.0), (false, "lower", -1.0), (true, "upper", 1.0)] {
         for speed in [0.4, 1.7, 4.0] {
@@ -28,7 +28,7 @@ fn a_progressive_bumper_gives_back_what_it_takes() {
                 deepest = deepest.max(depth);
                 let push = run.get(if is_rotary { "buffer.torque" } else { "buffer.force" });
                 assert!((push + sign * law.at(depth)[0] * f64::from(u8::from(depth > 0.0))).abs() < 1e-6, "{push}");
-                // Kinetic energy less that at the start is what the curve has stored.
+                // The kinetic energy at the start minus the present kinetic energy is the energy stored in the bumper.
                 let stored = if depth > 0.0 { law.integral(depth) } else { 0.0 };
                 let kinetic = run.get("energy.kinetic");
                 assert!((kinetic + stored - 0.5 * MASS * speed * speed).abs() < 1e-9, "{depth}");
@@ -65,7 +65,7 @@ fn a_damped_bumper_with_a_curve_lets_go_where_its_push_ends() {
             y = runge_kutta(|t, y| rate(pushes)(t, y, &law), y, h, 1);
             pushes &= law.at(y[0])[0] + 40.0 * y[0] + 25.0 * y[1] > 0.0;
         }
-        // The end of contact is found to a step of the method.
+        // The end of the contact is located to within one step of the reference method.
         assert!(
             (run.get("slide.position") - 0.3 - y[0]).abs() < 1e-6,
             "{k} {} {}",

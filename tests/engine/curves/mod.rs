@@ -1,5 +1,5 @@
-//! Dampers and drives with a curve over the speed, bumpers with a curve over the depth, springs with a curve over
-//! several revolutions: against closed forms, Runge-Kutta's method, the energy, and constant loads of the same size.
+//! Dampers and drives with a curve over speed, bumpers with a curve over depth, springs with a curve over several
+//! revolutions. References: closed forms, Runge-Kutta integration, energy, constant loads of the same size.
 mod alike;
 mod bumpers;
 mod points;
@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// Mass of the carriage [kg], moment of inertia of the wheel [kg.m2].
 const MASS: f64 = 3.0;
 
-/// A carriage on a level rail, or a wheel on a bearing, with a start position and a start speed.
+/// A carriage on a horizontal rail, or a wheel in a bearing, with its start position and start speed.
 fn body(is_rotary: bool, [start, speed]: [f64; 2]) -> Value {
     let precise =
         |definition: Value, at: Value| definition.with(json!({ "start": at, "solver": { "tolerance": 1e-12 } }));

@@ -1,4 +1,4 @@
-//! The points of a curve in the file: their units, and what is refused by name.
+//! The points of a curve in the file: their units, and the messages about invalid points.
 use super::body;
 use crate::support::{FOUR_BAR, Run, assert_says, changed};
 use linkage_fmu::mechanism::Model;
@@ -6,7 +6,7 @@ use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 
 #[test]
-fn what_is_no_curve_is_refused_by_name() {
+fn wrong_curves_are_rejected_with_their_key() {
     let damper = |points: Value| json!({ "springs": { "d": { "joint": "slide", "damping_points": points } } });
     let motor = |drive: Value| json!({ "actuators": { "m": drive } });
     let buffer = |points: Value| {

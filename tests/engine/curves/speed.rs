@@ -1,4 +1,4 @@
-//! Curves over the speed: of dampers and of drives.
+//! Curves over speed: dampers and drives.
 use super::{MASS, body, joint, names};
 use crate::support::numeric::runge_kutta;
 use crate::support::{CURVES, Run, changed};
@@ -27,7 +27,7 @@ fn points_of_a_damper_on_a_line_are_its_damping() {
 }
 
 #[test]
-fn a_damper_with_a_curve_moves_and_dissipates_as_its_law_says() {
+fn motion_and_dissipation_with_a_damper_curve_follow_its_law() {
     let law = monotone(&DAMPER).unwrap();
     let rate = |_: f64, [x, v, _]: [f64; 3]| {
         let force = law.at(v)[0];
@@ -101,7 +101,7 @@ fn a_command_that_ramps_scales_the_curve_within_the_step() {
     }
 }
 
-/// At rest a drive gives what its curve does there; the terms of one element know it.
+/// A drive at rest exerts the force of its curve at speed 0. The one-element outputs include this force.
 #[test]
 fn a_drive_at_rest_and_its_required_force_know_the_curve() {
     let mut run = Run::new(changed(CURVES, |m| {
@@ -109,14 +109,14 @@ fn a_drive_at_rest_and_its_required_force_know_the_curve() {
         m["start"]["speed"] = json!(0);
     }))
     .started();
-    // What holds, given as the force besides the curve, leaves the mechanism at rest.
+    // The holding force as an input, in addition to the curve, keeps the mechanism at rest.
     let holding = run.get("motor.holding_torque");
     run.set("motor.torque", holding - 0.8 * 8.0);
     run.initialize();
     assert!((run.get("motor.acting_torque") - holding).abs() < 1e-12);
     assert!(run.get("crank.acceleration").abs() < 1e-9, "{:e}", run.get("crank.acceleration"));
-    // What the demanded acceleration requires is what acts, where that is the acceleration; with losses and friction
-    // too.
+    // If the demanded acceleration is the present one, the required force is the acting force, also with losses and
+    // friction.
     for efficiency in [None, Some(0.7)] {
         let text = changed(CURVES, |m| {
             let motor = m["actuators"]["motor"].as_object_mut().unwrap();
@@ -139,9 +139,10 @@ fn a_drive_at_rest_and_its_required_force_know_the_curve() {
     }
 }
 
-/// Derivative of the holding torque along the drive against differences: the other drive's curve at rest takes part.
+/// The derivative of the holding torque along the drive against finite differences. The other drive's curve at rest
+/// counts.
 #[test]
-fn the_derivative_of_what_holds_is_that_of_differences() {
+fn the_derivative_of_the_holding_force_is_that_of_differences() {
     let at = |angle: f64| {
         let mut run = Run::new(CURVES).with(&[("crank.start_angle", angle)]).started();
         [run.get("motor.holding_torque"), run.get("motor.holding_torque_derivative")]

@@ -1,4 +1,4 @@
-//! Curves over length and angle: of springs, also over several revolutions.
+//! Curves over length and angle of springs, also over several revolutions.
 use super::{MASS, body, names};
 use crate::support::definition::{With, block};
 use crate::support::numeric::runge_kutta;
@@ -6,7 +6,7 @@ use crate::support::{FOUR_BAR, Run, changed};
 use linkage_fmu::numerics::monotone::monotone;
 use serde_json::json;
 
-/// Torque over five turns: soft, a plateau, stiff.
+/// Torque over five turns: a soft part, a plateau, a stiff part.
 const COIL: [[f64; 2]; 6] = [[-10.0, -9.0], [-3.0, -1.0], [4.0, 2.0], [12.0, 2.0], [20.0, 11.0], [31.0, 40.0]];
 
 #[test]
@@ -66,7 +66,8 @@ fn a_wound_spring_has_its_equilibrium_turns_away() {
     assert!(angle > 10.0 && angle < 16.0 && law.at(angle)[0].abs() < 1e-9, "{angle}");
 }
 
-/// Far from the guess panels are wide: all points of a curve may lie between two nodes of one, and each is a border.
+/// Far from the guess panels are wide. All points of a curve may lie between two nodes of a panel, and each point is a
+/// border.
 #[test]
 fn a_spring_far_from_the_guess_has_its_curve() {
     for (at, guess) in [(3000.0, 0.0), (400.0, 0.0), (1000.0, 0.0), (0.0, 500.0), (0.0, 700.0), (0.0, 1e4), (0.0, 1e6)]

@@ -1,33 +1,33 @@
-//! An accumulator with a pump at the supply of a mechanism's circuit, against closed forms.
+//! An accumulator with a pump as the supply of a mechanism's circuit, against closed forms.
 use super::*;
 
 const AMBIENT: f64 = 101_325.0;
 const EXPONENT: f64 = 1.4;
 
-/// Volume of the gas [m3] at a gauge pressure: V_0 (p_pre/p_abs)^(1/n).
+/// Volume of the gas [m3] at this gauge pressure: V_0 (p_pre/p_abs)^(1/n).
 fn gas(volume: f64, precharge: f64, pressure: f64) -> f64 {
     volume * ((precharge + AMBIENT) / (pressure + AMBIENT)).powf(1.0 / EXPONENT)
 }
 
-/// The retraction from an accumulator, which is filled at 20 MPa.
+/// The retraction with an accumulator as the supply, charged to 20 MPa.
 fn from_accumulator(tolerance: f64, pump: f64) -> Run {
     let mut gear = retraction(tolerance);
     gear.set_all(&[("accumulator.volume", 2e-3), ("pump.max_flow", pump), ("supply.pressure", 20e6)]);
     gear.started()
 }
 
-/// A pump of constant flow fills the accumulator behind a closed valve, whatever the gear does: the gas loses the oil
-/// pumped, so p_abs = p_pre (V_0/V_gas)^n.
+/// A pump with constant flow charges the accumulator while the valve is closed. The gas volume decreases by the pumped
+/// volume: p_abs = p_pre (V_0/V_gas)^n.
 #[test]
 fn an_accumulator_is_filled_as_its_gas_is_compressed() {
     for h in [1e-3, 0.05] {
         let mut gear = retraction(1e-12);
         let pump = [("pump.max_flow", 2e-4), ("pump.full_pressure", 50e6), ("pump.max_pressure", 60e6)];
-        // A valve that passes next to nothing.
+        // The flow of this valve is almost 0.
         let valve =
             [("valve.rated_flow", 1e-19), ("accumulator.volume", 1e-3), ("accumulator.precharge_pressure", 8e6)];
         gear = gear.with(&pump).with(&valve).started();
-        // Before the first step the input is the start.
+        // Before the first step the input `supply.pressure` is the start pressure.
         gear.set("supply.pressure", 12e6);
         assert_eq!(gear.get("accumulator.pressure"), 12e6);
         let before = gas(1e-3, 8e6, 12e6);
@@ -41,7 +41,7 @@ fn an_accumulator_is_filled_as_its_gas_is_compressed() {
     }
 }
 
-/// Without the pump, the energy supplied is the work of the gas, int p_S dV.
+/// Without the pump, the supplied energy is the work of the gas, int p_S dV.
 #[test]
 fn the_gas_does_the_work_of_the_oil_supplied() {
     let mut gear = from_accumulator(1e-12, 0.0);
@@ -55,8 +55,8 @@ fn the_gas_does_the_work_of_the_oil_supplied() {
     balances(&mut gear, 1e-10);
 }
 
-/// The flow of the pump has kinks at two pressures, which are passed while the gear comes up and afterwards: steps of
-/// the integration end there, so that short and long communication steps agree.
+/// The pump flow has kinks at two pressures, which occur during and after the retraction. Integration steps end at the
+/// kinks, so short and long communication steps agree.
 #[test]
 fn kinks_of_the_pump_end_steps() {
     let run = |h: f64, tolerance: f64| {

@@ -1,7 +1,8 @@
-//! Oil near absolute zero, at loose tolerances: air holds the pressures above it, oil without air ends the run by name.
+//! Oil near absolute zero pressure at loose tolerances: with air in the oil pressures stay above 0, without air the run
+//! ends with a message.
 use super::*;
 
-/// Numbers from 0 to 1 (xorshift64*).
+/// Random numbers from 0 to 1 (xorshift64*).
 struct Random(u64);
 
 impl Random {
@@ -16,13 +17,13 @@ impl Random {
         low + (high - low) * self.next()
     }
 
-    /// Between two positive numbers, with equal chances for equal ratios.
+    /// A number between two positive numbers, uniform in its logarithm.
     fn ratio(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
 }
 
-/// A gear with a random circuit, in a mood to cavitate: little suction, loads that pull.
+/// A gear with a random circuit that tends to cavitate: little suction, loads that pull.
 fn random_gear(random: &mut Random) -> Run {
     let mut gear = Run::shared(HYDRAULIC_GEAR);
     let values = [
@@ -48,8 +49,8 @@ fn random_gear(random: &mut Random) -> Run {
     gear.started()
 }
 
-/// At tolerances from 1e-6 to 0.02 every step ends with absolute pressures above 0, also where the piston comes to an
-/// end of the cylinder.
+/// At tolerances from 1e-6 to 0.02 every step ends with absolute pressures above 0, also if the piston reaches an end
+/// of the cylinder.
 #[test]
 fn air_holds_pressures_above_absolute_zero_at_any_tolerance() {
     let (mut random, mut steps, mut lowest) = (Random(7), 0, f64::INFINITY);
@@ -77,10 +78,9 @@ fn air_holds_pressures_above_absolute_zero_at_any_tolerance() {
     assert!(lowest < 5e3, "no run came near absolute zero: {lowest}");
 }
 
-/// A command beyond the range is clipped, and the host is told once; after a rollback the same step gives the same
-/// answer.
+/// A command beyond its range is clipped with one warning. After a rollback the repeated step gives the same warning.
 #[test]
-fn a_clipped_command_is_told_once() {
+fn a_clipped_command_gives_one_warning() {
     let mut gear = retraction(1e-6);
     gear.step(0.01);
     assert_eq!(gear.take_warning(), None);

@@ -16,7 +16,8 @@ fn extension(restitution: f64) -> Run {
     gear.started()
 }
 
-/// At the end the cylinder carries what the oil presses beyond the load; the opposite command draws the piston off.
+/// At the end, the cylinder carries the excess of the oil force over the load. The opposite command moves the piston
+/// off the end.
 #[test]
 fn the_piston_rests_on_the_end_of_its_cylinder() {
     for restitution in [0.0, 0.5] {
@@ -40,9 +41,9 @@ fn the_piston_rests_on_the_end_of_its_cylinder() {
     }
 }
 
-/// Communication steps from 1 ms to 5 s find the same rest.
+/// Communication steps from 1 ms to 5 s give the same rest position.
 #[test]
-fn the_end_is_met_at_any_step() {
+fn the_end_is_reached_with_any_step() {
     let angle = |steps: u32| {
         let mut gear = extension(0.3);
         gear.steps(steps, 5.0);
@@ -53,7 +54,7 @@ fn the_end_is_met_at_any_step() {
     assert!((one.1 / many.1 - 1.0).abs() < 1e-6 && (some.1 / many.1 - 1.0).abs() < 1e-6, "{one:?} {some:?} {many:?}");
 }
 
-/// A stop of the mechanism before the end of the cylinder acts, and one behind it never does.
+/// A stop of the mechanism before the end of the cylinder acts. A stop beyond the end never acts.
 #[test]
 fn the_first_of_stop_and_end_acts() {
     let mut gear = retraction(1e-8);
@@ -64,12 +65,12 @@ fn the_first_of_stop_and_end_acts() {
     assert!(!gear.is("retracted") && gear.get("upstop.torque") == 0.0 && gear.get("cylinder.end_force") < 0.0);
 }
 
-/// Where the piston never comes to an end, its ends change nothing, to the last bit.
+/// If the piston never reaches an end, the ends of the cylinder do not change the results: bit-identical.
 #[test]
-fn an_end_that_is_not_met_changes_nothing() {
+fn an_end_that_is_not_reached_changes_nothing() {
     let run = |stroke: f64| {
         let mut gear = vibration(1e-9).with(&[("cylinder.stroke", stroke)]);
-        // The same volumes: what the longer stroke adds the dead volume lacks.
+        // Equal chamber volumes: the dead volume decreases by the additional volume of the longer stroke.
         let area = 0.25 * std::f64::consts::PI * (0.045_f64.powi(2) - 0.025_f64.powi(2));
         gear.set("chamber_b.dead_volume", 1e-4 - area * (stroke - 0.33));
         let mut gear = gear.started();

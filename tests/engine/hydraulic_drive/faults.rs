@@ -1,10 +1,10 @@
-//! Saved states, failed steps, faulty circuits.
+//! Saved states, failed steps and faulty circuits.
 use super::*;
 use linkage_fmu::mechanism::Model;
 use std::f64::consts::PI;
 
 #[test]
-fn faulty_circuits_are_refused_by_name() {
+fn faulty_circuits_are_rejected_with_their_key() {
     let error = |change: &dyn Fn(&mut serde_json::Value)| {
         let text = changed(HYDRAULIC_GEAR, |gear| change(gear));
         linkage_fmu::mechanism::Model::from_json(&text).unwrap_err().to_string()
@@ -49,7 +49,7 @@ fn faulty_circuits_are_refused_by_name() {
     assert!(gear.0.set_derivative("actuator.force", 1, 1.0).is_err());
 }
 
-/// Oil without air in chambers from which the gear's weight draws: no valve lets oil in.
+/// Oil without air in chambers that the gear's weight expands, with valves that let no oil in.
 #[test]
 fn oil_without_air_has_no_pressure_below_absolute_zero() {
     let mut gear = retraction(1e-9);
@@ -65,7 +65,7 @@ fn oil_without_air_has_no_pressure_below_absolute_zero() {
     assert_says(error, &["chamber_", "absolute", "fluid.air_fraction"]);
 }
 
-/// An input that changes takes effect at once, though steps may have gone on beyond the communication point.
+/// A changed input acts at once, although steps may extend beyond the communication point.
 #[test]
 fn a_change_of_a_port_takes_effect_at_once() {
     for (name, value) in [("valve.command", -0.3), ("supply.pressure", 15e6), ("tank.pressure", 1e6)] {
@@ -82,9 +82,10 @@ fn a_change_of_a_port_takes_effect_at_once() {
     }
 }
 
-/// With a circuit an equilibrium at the start is refused; start pressures whose force is the holding force are one.
+/// With a circuit the start `equilibrium` is rejected. Start pressures whose force is the holding force give an
+/// equilibrium.
 #[test]
-fn an_equilibrium_is_refused_and_the_remedy_is_one() {
+fn an_equilibrium_with_a_circuit_is_rejected_and_its_remedy_works() {
     let text = changed(HYDRAULIC_GEAR, |gear| gear["start"]["equilibrium"] = json!(true));
     let words = ["start.equilibrium", "start_pressure of chamber_a", "actuator.holding_force", "cargo fmu check"];
     assert_says(Model::from_json(&text).unwrap_err(), &words);
@@ -93,10 +94,10 @@ fn an_equilibrium_is_refused_and_the_remedy_is_one() {
         gear.set_all(&[("downstop.enabled", false), ("upstop.enabled", false)]);
         gear.with(&[("crank.start_angle", 0.3), ("command.ramp_amplitude", 0.0), ("command.sine_amplitude", 0.0)])
     };
-    let mut told = gear().started();
-    let holding = told.get("actuator.holding_force");
-    assert!(holding.abs() > 100.0 && told.get("crank.acceleration").abs() > 0.1);
-    let [bore, rod] = ["cylinder.bore", "cylinder.rod"].map(|name| told.get(name));
+    let mut first = gear().started();
+    let holding = first.get("actuator.holding_force");
+    assert!(holding.abs() > 100.0 && first.get("crank.acceleration").abs() > 0.1);
+    let [bore, rod] = ["cylinder.bore", "cylinder.rod"].map(|name| first.get(name));
     let (piston, ring) = (PI / 4.0 * bore * bore, PI / 4.0 * (bore * bore - rod * rod));
     let b = 8e6;
     let a = (holding + b * ring) / piston;
@@ -104,9 +105,9 @@ fn an_equilibrium_is_refused_and_the_remedy_is_one() {
     assert!(rests.get("crank.acceleration").abs() < 1e-9, "{}", rests.get("crank.acceleration"));
 }
 
-/// Implicit steps share a Jacobian across communication steps; a state that is saved, written and read goes on with it.
+/// Implicit steps keep a Jacobian across communication steps. A saved and restored state keeps it too.
 #[test]
-fn steps_share_a_jacobian_and_a_saved_state_keeps_it() {
+fn steps_share_a_jacobian_that_a_saved_state_contains() {
     let mut gear = retraction(1e-3);
     let mut other = retraction(1e-3);
     for step in 0..200 {

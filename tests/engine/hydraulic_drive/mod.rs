@@ -1,6 +1,5 @@
-//! The landing gear with a hydraulic circuit on its actuator, as one system. Reference values are those of an
-//! independent Taylor-series integration of gear and circuit together, whose runs in double and in 80 bit agree to
-//! 2e-13.
+//! The landing gear with a hydraulic circuit on its actuator, as a single system. The reference values are from an
+//! independent Taylor-series integration of gear and circuit. Its results in double and in 80 bit agree to 2e-13.
 
 use crate::support::{HYDRAULIC_GEAR, Run, assert_says, cases, changed, numbers, read_all};
 use serde_json::json;
@@ -24,10 +23,10 @@ const NAMES: [&str; 7] = [
     "actuator.length",
     "actuator.speed",
 ];
-/// Largest value of each of these in both scenes, to which 11 digits apply where a value passes through 0.
+/// Largest value of each quantity in both scenes. Errors are relative to it where a value passes through 0.
 const SIZES: [f64; 7] = [1.0, 0.5, 1e7, 1e7, 5e3, 0.5, 0.08];
 
-/// The retraction, at a tolerance.
+/// The retraction scene, with this tolerance.
 fn retraction(tolerance: f64) -> Run {
     let mut gear = Run::shared(HYDRAULIC_GEAR);
     gear.set("downstop.enabled", false);
@@ -35,7 +34,7 @@ fn retraction(tolerance: f64) -> Run {
     gear.with(&[("solver.tolerance", tolerance)]).with(&command).started()
 }
 
-/// The vibration, at a tolerance.
+/// The vibration scene, with this tolerance.
 fn vibration(tolerance: f64) -> Run {
     let mut gear = Run::shared(HYDRAULIC_GEAR);
     gear.set_all(&[("downstop.enabled", false), ("upstop.enabled", false)]);
@@ -57,8 +56,8 @@ fn vibration(tolerance: f64) -> Run {
     gear.started()
 }
 
-/// Energy of the mechanism now less that at the start less the work of the piston and of the stops' losses is the
-/// drift; the circuit's energies balance.
+/// `energy.drift` is the energy gained since the start minus the work of the piston and the losses of the stops. The
+/// energies of the circuit balance too.
 #[track_caller]
 fn balances(gear: &mut Run, allowed: f64) {
     let supplied = gear.get("energy.supplied").abs().max(gear.get("energy.throttling").abs());
@@ -83,7 +82,7 @@ fn energies_balance_at_a_common_tolerance_whatever_the_steps() {
 }
 
 #[test]
-fn what_the_piston_does_is_what_the_gear_gains() {
+fn the_work_of_the_piston_is_the_energy_gained_by_the_gear() {
     let mut gear = retraction(1e-12);
     let before = gear.get("energy.kinetic") + gear.get("energy.potential");
     gear.steps(40, 4.0);
@@ -92,9 +91,9 @@ fn what_the_piston_does_is_what_the_gear_gains() {
     assert!(error.abs() < 1e-12, "{error:e}");
 }
 
-/// At the stop the mechanism rests while the pressures go on; the opposite command takes it away from there.
+/// At the stop the mechanism rests while the pressures continue to change. The opposite command moves it off the stop.
 #[test]
-fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
+fn the_circuit_continues_while_a_stop_holds_the_gear() {
     for restitution in [0.0, 0.4] {
         let mut gear = retraction(1e-10);
         gear.set("upstop.restitution", restitution);
@@ -104,7 +103,7 @@ fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
         gear.steps(900, 0.9);
         assert!(gear.is("retracted"));
         assert_eq!(gear.get("crank.speed"), 0.0);
-        // Chamber A fills to the supply, chamber B empties to the tank; leakages apart.
+        // Chamber A fills to the supply pressure, chamber B empties to the tank pressure, except for leakage.
         assert!(gear.get("chamber_a.pressure") > impact.max(20.0e6) && gear.get("chamber_a.pressure") < 20.7e6);
         assert!(gear.get("chamber_b.pressure") < 1e6 && gear.get("chamber_b.pressure") > 0.35e6);
         let force = gear.get("actuator.force");
@@ -114,7 +113,7 @@ fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
         assert!((force / expected - 1.0).abs() < 1e-12, "{force} {expected}");
         assert!(gear.get("upstop.torque").abs() > 100.0);
         balances(&mut gear, 1e-7);
-        // The supply does no work while nothing moves, but for leakage.
+        // While nothing moves, the supply delivers no power except for leakage.
         assert!(gear.get("power.supply") < 100.0);
         gear.set("valve.command", -1.3);
         gear.steps(1000, 1.0);
@@ -124,10 +123,9 @@ fn the_circuit_goes_on_while_a_stop_holds_the_gear() {
     }
 }
 
-/// The time at which a gear that rests sets off is that of the balance of forces, whatever the communication steps and
-/// the tolerance, which decide where the interpolant has it.
+/// The gear starts to move from rest at the time at which the forces balance, for any communication step and tolerance.
 #[test]
-fn the_gear_sets_off_when_the_pressures_say_so() {
+fn the_gear_moves_off_when_the_pressures_exceed_the_load() {
     let angle = |tolerance: f64, steps: u32| {
         let mut gear = retraction(tolerance);
         gear.steps(5, 5.0);
@@ -194,7 +192,7 @@ fn a_ramp_may_be_an_input_derivative_and_is_clipped_at_one() {
         assert!((gear.get("crank.angle") - by_input.get("crank.angle")).abs() < 1e-12);
     }
     assert_eq!(by_input.get("valve.command"), 0.65);
-    // A ramp to 3 in 0.3 s is at 1 from 0.1 s on, wherever the communication points are.
+    // A ramp to 3 in 0.3 s is clipped at 1 from 0.1 s on, for any communication points.
     let clipped = |steps: u32, ramp: [f64; 2]| {
         let mut gear = retraction(1e-12);
         gear.set_all(&[("command.ramp_amplitude", ramp[0]), ("command.ramp_time", ramp[1])]);
@@ -210,7 +208,7 @@ fn a_ramp_may_be_an_input_derivative_and_is_clipped_at_one() {
 }
 
 #[test]
-fn every_output_is_told() {
+fn every_output_has_a_value() {
     let mut gear = retraction(1e-13);
     gear.set("friction.enabled", true);
     gear.initialize();

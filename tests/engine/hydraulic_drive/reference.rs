@@ -1,4 +1,4 @@
-//! Retraction and vibration of the gear with its circuit against reference values.
+//! Retraction and vibration of the gear with its circuit, against reference values.
 use super::*;
 use crate::support::numbers;
 use std::collections::BTreeMap;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 pub const REFERENCE: &str = include_str!("../../fixtures/hydraulic_gear.json");
 
 #[track_caller]
-fn meets(gear: &mut Run, row: &Row, digits: f64) {
+fn agrees(gear: &mut Run, row: &Row, digits: f64) {
     for ((name, expected), size) in NAMES.iter().zip(&row[1..]).zip(SIZES) {
         let value = gear.get(name);
         let error = (value - expected).abs() / size.max(expected.abs());
@@ -24,13 +24,13 @@ fn follow(gear: &mut Run, rows: &[Row], h: f64, digits: f64) {
             gear.step((steps + 1) as f64 * h - steps as f64 * h);
             steps += 1;
         }
-        meets(gear, row, digits);
+        agrees(gear, row, digits);
     }
 }
 
 #[test]
 fn the_retraction_follows_the_reference() {
-    // From rest at 0.8 rad, with air in the oil, cushions and friction of the seals.
+    // From rest at 0.8 rad, with air in the oil, cushions and seal friction.
     let rows: Vec<Row> = numbers(REFERENCE, "retraction");
     let mut gear = retraction(1e-12);
     follow(&mut gear, &rows, 0.05, 1e-11);
@@ -54,7 +54,7 @@ fn the_gear_is_up_at_the_reference_time_with_the_reference_energies() {
 
 #[test]
 fn the_vibration_follows_the_reference() {
-    // About 0 rad under a sinusoidal command, without air, cushions and friction.
+    // Oscillation about 0 rad under a sinusoidal command, without air, cushions and friction.
     let mut gear = vibration(1e-12);
     follow(&mut gear, &numbers::<Vec<Row>>(REFERENCE, "vibration"), 0.05, 1e-11);
     have_energies(&mut gear, "vibration_energies");

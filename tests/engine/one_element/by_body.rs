@@ -1,10 +1,10 @@
-//! Outputs of the key `by_body`: the bodies add up to the mechanism, and the reduced mass of each body has the body's
-//! kinetic energy, from finite differences of its positions.
+//! Outputs of the key `by_body`: the values of all bodies add up to those of the mechanism. The reduced mass of each
+//! body agrees with its kinetic energy from finite differences of its positions.
 use super::worst::{Worst, wave};
 use crate::support::{FOUR_BAR, GEAR, Run, TWO_DRIVES, changed};
 use serde_json::{Value, json};
 
-/// A definition of which every drive has the key `by_body`.
+/// A definition in which every drive has the key `by_body`.
 fn by_body(definition: &str, change: impl FnOnce(&mut Value)) -> String {
     changed(definition, |m| {
         change(m);
@@ -12,7 +12,7 @@ fn by_body(definition: &str, change: impl FnOnce(&mut Value)) -> String {
     })
 }
 
-/// The reduced mass and the static load of each drive are the sums over the bodies, in this state.
+/// In this state the reduced mass and the static load of each drive are the sums over the bodies.
 fn add_up(worst: &mut Worst, run: &mut Run, drives: &[(&str, &str)], bodies: &[&str]) {
     for (drive, mass) in drives {
         for (what, suffix) in [("reduced mass", *mass), ("static load", "static_load")] {
@@ -51,7 +51,7 @@ fn the_bodies_of_the_gear_add_up_under_loads_of_every_kind() {
         let drives = [("actuator", "reduced_mass"), ("jack", "reduced_mass")];
         add_up(&mut worst, &mut run, &drives, &["crank", "coupler", "follower"]);
     }
-    // Friction makes the load of each body a sum of larger terms.
+    // With friction the load of each body is a sum of larger terms.
     worst.assert_within(1e-10);
 }
 
@@ -68,8 +68,8 @@ fn the_bodies_add_up_for_drives_in_joints() {
     worst.assert_within(1e-11);
 }
 
-/// T = m_i v_S^2 / 2 of a body, with velocity and angular speed as central differences of its frame over 2 h. The error
-/// of a difference is of the order h^2.
+/// T = m_i v_S^2 / 2 of a body, with its velocity and angular speed as central differences of its frame over 2 h, whose
+/// error is of the order h^2.
 #[test]
 fn the_reduced_mass_of_a_body_has_its_kinetic_energy() {
     const H: f64 = 1e-5;
@@ -144,7 +144,7 @@ fn the_rates_of_the_outputs_are_exact() {
         for (k, name) in names.iter().flatten().enumerate() {
             let (first, middle, rate, last) =
                 (before[k / 4][k % 4], now[k / 4][k % 4], rates[k / 4][k % 4], run.get(name));
-            // A ratio has a pole where a body does not turn, its inverse is smooth.
+            // The ratio has a pole where a body does not rotate. Its inverse is smooth.
             let (first, rate, last) =
                 if k % 4 < 2 { (first, rate, last) } else { (1.0 / first, -rate / (middle * middle), 1.0 / last) };
             let difference = (last - first) / (2.0 * H);

@@ -1,10 +1,10 @@
-//! Forward and inverse use of eqs. (16), (17), (37), (38) undo each other, for any state and loads of every mechanism.
+//! Forward and inverse use of eqs. (16), (17), (37), (38) agree, for any state and loads of every mechanism.
 use super::worst::{ACCURACY, Worst};
 use crate::support::{CRANE, FOUR_BAR, GEAR, JIB, Run, SLIDER_CRANK, changed};
 use proptest::prelude::*;
 use serde_json::json;
 
-/// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and
+/// A mechanism, its drive, whether the drive is rotary, the range of the stated start, the largest start speed, and the
 /// inputs.
 struct Case {
     json: &'static str,
@@ -12,11 +12,11 @@ struct Case {
     is_rotary: bool,
     start: (&'static str, f64, f64),
     speed: (&'static str, f64),
-    /// Names, each with its largest value.
+    /// Names of inputs, each with its largest value.
     inputs: &'static str,
 }
 
-/// Ranges keep away from the drives' dead centres, where no finite force has the effect.
+/// The ranges exclude the dead centres of the drives, where no finite force has an effect.
 const CASES: [Case; 5] = [
     Case {
         json: GEAR,
@@ -64,7 +64,7 @@ const CASES: [Case; 5] = [
 
 fn check(index: usize, part: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     let case = &CASES[index];
-    // With the efficiency given, 1 where the drive has none.
+    // With the given efficiency. A drive without an efficiency has 1.
     let mut run = Run::shared(&case.json.replace("\"efficiency\": 1", &format!("\"efficiency\": {efficiency}")));
     for (input, size) in case.inputs.split(", ").zip(sizes) {
         let (name, largest) = input.split_once(' ').unwrap();
@@ -87,7 +87,7 @@ fn check(index: usize, part: f64, speed: f64, sizes: &[f64], efficiency: f64) {
     worst.compare("(16), (37)", load + reduced * acceleration - additional, present, size);
     if efficiency == 1.0 {
         worst.compare("T", 0.5 * reduced * v * v, run.get("energy.kinetic"), 0.0);
-        // At rest, the holding force gives no acceleration.
+        // At rest the holding force gives the acceleration 0.
         run.place(start, (case.speed.0, 0.0));
         let holding = run.get(&name(&format!("holding_{force}")));
         run.set(&name(force), holding);
@@ -110,8 +110,8 @@ proptest! {
     }
 }
 
-/// dW/ds of every drive against central differences of W over the drive's displacement, along the whole range of the
-/// start, under loads of every kind: the mechanism is placed at both sides of each position.
+/// dW/ds of every drive against central differences of W along the drive, over the range of the start, under loads of
+/// every kind.
 #[test]
 fn the_derivative_of_the_holding_force_is_its_slope_along_the_drive() {
     for case in &CASES {
@@ -135,7 +135,7 @@ fn the_derivative_of_the_holding_force_is_its_slope_along_the_drive() {
             let here = at(0.0);
             let rise = |k: usize| (8.0 * (sides[2][k] - sides[1][k]) - (sides[3][k] - sides[0][k])) / 12.0;
             let slope = rise(1) / rise(0);
-            // Rounding of W over the width; near a dead centre both grow beyond bounds.
+            // Rounding of W divided by the width of the difference. Near a dead centre both grow without bound.
             let rounding = 1e-12 * sides.iter().fold(here[1].abs(), |a, w| a.max(w[1].abs())) / rise(0).abs();
             let difference = (slope - here[2]).abs();
             assert!(difference <= 1e-6 * slope.abs() + rounding, "{} at {middle}: {slope} {}", case.drive, here[2]);
@@ -143,7 +143,7 @@ fn the_derivative_of_the_holding_force_is_its_slope_along_the_drive() {
     }
 }
 
-/// Bumpers, springs and still air count at rest, friction does not: each beside the difference of W.
+/// At rest bumpers, springs and still air count, friction does not. Each is compared with the difference of W.
 #[test]
 fn springs_bumpers_and_wind_count_in_the_derivative_of_the_holding_force() {
     let sprung = changed(GEAR, |gear| {

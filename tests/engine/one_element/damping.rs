@@ -5,12 +5,12 @@ use crate::support::{Run, SLIDER_CRANK, changed};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
-/// x'' + 2 zeta omega x' + omega^2 x = 0: x and v after t.
+/// Position and speed at time t of x'' + 2 zeta omega x' + omega^2 x = 0.
 fn damped(zeta: f64, omega: f64, x: f64, v: f64, t: f64) -> (f64, f64) {
     let rate = zeta * omega;
     let decay = (-rate * t).exp();
     let slope = v + rate * x;
-    // cos and sin / nu of the damped frequency, or cosh and sinh, or 1 and t.
+    // cos and sin / nu of the damped frequency; cosh and sinh; or 1 and t.
     let square = omega * omega - rate * rate;
     let nu = square.abs().sqrt();
     let (c, s) = if nu < 1e-9 * omega {
@@ -61,7 +61,8 @@ fn a_damped_block_follows_the_closed_form() {
     }
 }
 
-/// A rotor on a torsional spring turns over several turns either way: theta'' = -2 zeta omega theta' - omega^2 theta.
+/// A rotor on a torsional spring rotates over several turns in both directions: theta'' = -2 zeta omega theta' -
+/// omega^2 theta.
 #[test]
 fn a_torsional_spring_winds_up_over_several_turns() {
     let (inertia, omega) = (0.3, 2.0);
@@ -85,7 +86,7 @@ fn a_torsional_spring_winds_up_over_several_turns() {
             assert!((run.get("spring.torque") - torque).abs() < 1e-9);
             assert!(run.get("energy.drift").abs() < 1e-9 * 375.0);
         }
-        // 1e-10 rad for each radian.
+        // 1e-10 rad per radian.
         assert!(most > 3.0 * TAU && worst < 1e-10 * most, "{worst:e}");
     }
 }
@@ -97,7 +98,7 @@ fn sprung_crank(spring: Value) -> Run {
     run
 }
 
-/// A torsional spring on the crank: K + weight + k theta^2 / 2 stays, over several turns there and back again.
+/// A torsional spring on the crank: kinetic energy + weight + k theta^2 / 2 is constant over several turns and back.
 #[test]
 fn a_crank_winds_up_a_spring_and_comes_back() {
     let stiffness = 0.4;
@@ -119,16 +120,16 @@ fn a_crank_winds_up_a_spring_and_comes_back() {
     assert!(most > 2.0 * TAU && least < -2.0 * TAU);
 }
 
-/// A damper between bearing and piston: the energy lost is the integral of damping times length_dot^2, by Simpson's
+/// A damper between bearing and piston: the dissipated energy is the integral of damping x length_dot^2, by Simpson's
 /// rule.
 #[test]
-fn a_damper_loses_the_power_that_it_takes() {
+fn the_power_of_a_damper_is_the_loss_of_energy() {
     let damping = 8.0;
     let mut run = sprung_crank(json!({
         "first": "ground.origin", "second": "piston.origin", "stiffness": 500, "free_length": 0.18, "damping": damping
     }));
     let energy = |run: &mut Run| run.get("energy.kinetic") + run.get("energy.potential");
-    // The damper's share of the pull is damping times length_dot.
+    // The damper's part of the force is damping x length_dot.
     let power = |run: &mut Run| damping * run.get("piston.velocity_y").powi(2);
     let (start, mut lost) = (energy(&mut run), 0.0);
     let h = 2e-5;

@@ -1,6 +1,6 @@
-//! Efficiency, [CK16] eqs. (5), (26): P_u = eta P_in where power flows into the mechanism; where it flows back, the
-//! drive gets eta times what the mechanism gives. With the input work W the mechanism thus gains eta W when driven (W >
-//! 0), and W / eta when driven back (W < 0): lost are (1 - eta) W and (1 / eta - 1) |W|.
+//! Efficiency, [CK16] eqs. (5), (26): P_u = eta P_in if power flows into the mechanism. If power flows back, the drive
+//! gets eta times the power of the mechanism. For an input work W the mechanism gains eta W if driven (W > 0), and W /
+//! eta if driven back (W < 0). The losses are (1 - eta) W and (1 / eta - 1) |W|.
 use super::jib;
 use super::slider::{self, Slider};
 use super::worst::{ACCURACY, Worst, wave};
@@ -12,7 +12,7 @@ fn with_efficiency(json: &str, eta: f64) -> Run {
     Run::replaced(json, &[("\"efficiency\": 1", &format!("\"efficiency\": {eta}"))])
 }
 
-/// [CK16] after eqs. (17), (38): eta divides, and multiplies where power flows back.
+/// [CK16] after eqs. (17), (38): divide by eta, or multiply by eta if power flows back.
 #[test]
 fn the_formulas_change_where_power_flows_back() {
     let (mut ideal, mut real) = (Run::new(JIB), with_efficiency(JIB, ETA));
@@ -45,7 +45,7 @@ fn the_formulas_change_where_power_flows_back() {
     worst.assert_within(ACCURACY);
 }
 
-/// Work of the input, energy gained by jib and load.
+/// Input work, and energy gained by jib and load.
 fn lift(force: f64, speed: f64, steps: usize) -> (f64, f64) {
     let mut run = with_efficiency(JIB, ETA);
     run.set("solver.tolerance", 1e-13);
@@ -64,8 +64,8 @@ fn lift(force: f64, speed: f64, steps: usize) -> (f64, f64) {
 }
 
 #[test]
-fn the_mechanism_gains_what_arrives_of_the_work() {
-    // Driven up, and let down against the push.
+fn the_mechanism_gains_the_work_less_losses() {
+    // Driven up, and lowered against the push.
     let (work, gain) = lift(80_000.0, 0.01, 40);
     assert!(work > 1e3 && (gain - ETA * work).abs() < 1e-11 * work, "{work} {gain}");
     let (work, gain) = lift(10_000.0, -0.01, 20);
@@ -74,7 +74,7 @@ fn the_mechanism_gains_what_arrives_of_the_work() {
 
 /// The same for a rotary drive over several turns: K = K0 + eta T (theta - theta0) - work of the piston's weight.
 #[test]
-fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
+fn a_crank_gains_the_work_of_its_torque_less_losses_over_several_turns() {
     for (torque, part) in [(12.0, ETA), (-4.0, 1.0 / ETA)] {
         let mut run = with_efficiency(SLIDER_CRANK, ETA);
         run.set("solver.tolerance", 1e-13);
@@ -93,7 +93,7 @@ fn a_crank_gains_what_arrives_of_its_torque_over_several_turns() {
     }
 }
 
-/// Driven up takes more than H / eta, let down less than eta H; between, the drive holds.
+/// Driving up needs more than H / eta, lowering less than eta H. In between the drive holds its load.
 #[test]
 fn a_drive_with_losses_holds_its_load() {
     // At rest under this part of the holding force.
@@ -113,7 +113,7 @@ fn a_drive_with_losses_holds_its_load() {
             assert_eq!((run.get("jib.speed"), run.get("jib.acceleration")), (0.0, 0.0));
         }
         assert!((run.get("energy.drift") - drift).abs() < 1e-9);
-        // The joint carries what weight and holding force leave, whatever the input in the band.
+        // The joint carries the difference of weight and holding force, for every input at which the drive holds.
         let (end, theta) = ([2.2 * jib::angle(2.6).cos(), 2.2 * jib::angle(2.6).sin() + 1.3], jib::angle(2.6));
         let iv = jib::ratio(2.6);
         assert!((holding - 9810.0 * theta.cos() / iv).abs() < ACCURACY * holding);
@@ -129,8 +129,8 @@ fn a_drive_with_losses_holds_its_load() {
     }
 }
 
-/// A block under a push that changes from step to step and a constant counterforce: reversals, standstills, setting off
-/// again; each step's motion in closed form.
+/// A block under a drive force that changes from step to step and a constant opposing force: reversals, rest, start
+/// from rest. Each step has a closed form.
 #[test]
 fn reversals_under_a_changing_force_follow_the_closed_form() {
     for tolerance in [1e-4, 1e-9, 1e-12] {
@@ -152,13 +152,14 @@ fn reversals_under_a_changing_force_follow_the_closed_form() {
             assert!(run.get("energy.drift").abs() < 1e-11);
         }
         assert!(reversals > 10 && still > 20);
-        // No chattering: two steps or so for each call, three more for each reversal.
+        // No chattering: about two steps per call, and three more per reversal.
         assert!(run.statistics().accepted < 400 * 2 + 3 * u64::from(reversals));
     }
 }
 
-/// A block on a spring, pushed by a constant force with losses: it swings about eta F / k on the way forward and about
-/// F / (eta k) on the way back, loses twice their distance with each swing and stops between them.
+/// A block on a spring under a constant drive force with losses oscillates about eta F / k forward and about F / (eta
+/// k) backward. The amplitude decreases by twice the distance of these centres per swing, and the block stops between
+/// them.
 #[test]
 fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     const STIFFNESS: f64 = 50.0;
@@ -170,7 +171,7 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
         let (forward, back) = (eta * push / STIFFNESS, push / (eta * STIFFNESS));
         let omega = (STIFFNESS / slider::MASS).sqrt();
         let half = std::f64::consts::PI / omega;
-        // Turning points: first back, then forward, in turn.
+        // Turning points alternate: first the backward one, then the forward one.
         let mut turning = vec![start];
         loop {
             let x = turning[turning.len() - 1];
@@ -192,7 +193,8 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
                 (turning[turning.len() - 1], 0.0)
             };
             let error = (run.get("slide.position") - x).abs().max((run.get("slide.speed") - v).abs() / omega);
-            // The error of each step is bounded by the tolerance of about 1 m; there are at most as many as calls.
+            // The tolerance, relative to about 1 m, bounds the error of each step. The number of steps is at most the
+            // number of calls.
             let allowed = 100.0 * tolerance;
             assert!(error < allowed.max(1e-13), "{tolerance:e}, {start}, t = {t}: {error:e}");
             if swing > turning.len() {
@@ -202,9 +204,9 @@ fn a_swing_under_a_lossy_push_dies_out_and_stops() {
     }
 }
 
-/// Swings larger than the tolerance end between the two centres, in one long step too.
+/// Swings larger than the tolerance end between the two centres, also in one long step.
 #[test]
-fn one_long_step_meets_each_reversal() {
+fn one_long_step_locates_each_reversal() {
     for tolerance in [1e-2, 1e-4, 1e-6, 1e-9, 1e-12] {
         for (eta, start) in [(0.9, 0.5), (0.9, 1.5), (0.999, 0.41), (0.999, 0.401), (0.99999, 0.4001)] {
             let mut run = Slider { eta: Some(eta), stiffness: 50.0, ..Slider::default() }.run(tolerance);
@@ -221,8 +223,8 @@ fn one_long_step_meets_each_reversal() {
     }
 }
 
-/// A crank that a drive with losses swings there and back over its dead centres, with a damper: what the changing
-/// input, the piston's force and the weight put in is what is found again.
+/// A drive with losses oscillates a crank over its dead centres, with a damper. The energy supplied by the changing
+/// input, the piston's force and the weight equals the energy of the crank and the losses.
 #[test]
 fn the_energy_balance_stays_closed_over_reversals_of_a_crank() {
     let spring = "\"springs\": { \"damper\": { \"joint\": \"cylinder\", \"damping\": 60 } }, \"markers\"";

@@ -1,5 +1,5 @@
-//! [CK16] figs. 3 and 10: four-bar linkages, against their own kinematics in closed form and superposition over the
-//! bodies (the paper's conclusion 3).
+//! [CK16] figs. 3 and 10: four-bar linkages, against their closed-form kinematics and the superposition of the bodies
+//! (conclusion 3 of the paper).
 use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{CRANE, FOUR_BAR, Run, changed};
 use nalgebra::Complex;
@@ -9,14 +9,14 @@ const G: f64 = 9.81;
 
 type C = Complex<f64>;
 
-/// A function of the crank's angle theta with its two derivatives.
+/// A function of the crank angle theta with its first two derivatives.
 type Jet<T> = [T; 3];
 
 fn at(angle: f64) -> C {
     C::from_polar(1.0, angle)
 }
 
-/// The complex number arm e^(i angle) where the angle is a function of theta.
+/// The complex number arm e^(i angle), with angle a function of theta.
 fn turned(arm: C, [angle, first, second]: Jet<f64>) -> Jet<C> {
     let z = arm * at(angle);
     [z, C::i() * first * z, (C::i() * second - first * first) * z]
@@ -26,8 +26,8 @@ fn plus(a: Jet<C>, b: Jet<C>) -> Jet<C> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-/// Lengths of a four-bar linkage: crank from 0, coupler, rocker from `pivot`; the joint of coupler and rocker lies on
-/// this side (1: left) of the diagonal from the crank's end to the pivot.
+/// Lengths of a four-bar linkage: crank from 0, coupler, rocker from `pivot`. The joint of coupler and rocker is on
+/// this side (1: left) of the diagonal from the end of the crank to the pivot.
 struct FourBar {
     crank: f64,
     coupler: f64,
@@ -37,8 +37,8 @@ struct FourBar {
 }
 
 impl FourBar {
-    /// Angles of coupler (from the crank's end) and rocker (from the pivot): the cosine rule, then the loop equation
-    /// crank e^(i theta) + coupler e^(i phi) = pivot + rocker e^(i psi), differentiated twice.
+    /// Angles of the coupler (at the end of the crank) and the rocker (at the pivot): cosine rule, then the loop
+    /// equation crank e^(i theta) + coupler e^(i phi) = pivot + rocker e^(i psi), differentiated twice.
     fn angles(&self, theta: f64) -> (Jet<f64>, Jet<f64>) {
         let end = self.crank * at(theta);
         let diagonal = self.pivot - end;
@@ -46,7 +46,7 @@ impl FourBar {
         let cosine = (d * d + self.coupler.powi(2) - self.rocker.powi(2)) / (2.0 * d * self.coupler);
         let phi = diagonal.arg() + self.side * cosine.acos();
         let psi = (end + self.coupler * at(phi) - self.pivot).arg();
-        // a phi' + b psi' = right, two real equations.
+        // a phi' + b psi' = right: two real equations.
         let (a, b) = (C::i() * self.coupler * at(phi), -C::i() * self.rocker * at(psi));
         let solve = |right: C| {
             let cross = |u: C, v: C| u.re * v.im - u.im * v.re;
@@ -75,7 +75,7 @@ impl Part {
         (v.norm(), (v.conj() * a).re / v.norm())
     }
 
-    /// Part of I_zS and dI_zS/dalpha, eqs. (12), (14).
+    /// The body's part of I_zS and dI_zS/dalpha, eqs. (12), (14).
     fn inertia(&self) -> (f64, f64) {
         let (rz, drz) = self.radius();
         let [_, first, second] = self.angle;
@@ -86,14 +86,14 @@ impl Part {
         sum
     }
 
-    /// Part of T_Su, eq. (11); F_C^v opposes the motion.
+    /// The body's part of T_Su, eq. (11). F_C^v opposes the motion.
     fn load(&self) -> f64 {
         let force = self.force - C::i() * self.mass * G;
         -(force.conj() * self.center[1]).re - self.torque * self.angle[1]
     }
 }
 
-/// I_zS, dI_zS/dalpha, T_Su and the largest part of T_Su: each body is reduced alone, then all are summed up.
+/// I_zS, dI_zS/dalpha, T_Su and the largest part of T_Su, as sums over the bodies.
 fn superposed(parts: &[Part]) -> [f64; 4] {
     let mut sum = [0.0; 4];
     for p in parts {
@@ -103,7 +103,7 @@ fn superposed(parts: &[Part]) -> [f64; 4] {
     sum
 }
 
-/// The names of what a drive puts out, and the mechanism reduced to it.
+/// Names of the outputs of a drive, and the expected one-element values.
 struct Expected {
     drive: &'static str,
     revolutions: bool,
@@ -168,7 +168,8 @@ fn four_bar(run: &mut Run, crank_mass: f64, rocker_mass: f64) {
         }
         let expected = Expected { drive: "drive", revolutions: true, inertia, change, load, size, speed };
         compare(&mut worst, run, &expected, 10.0 * wave(k, 1.9), 200.0 * wave(k, 2.3));
-        // Eqs. (3), (4): the centre's tangential and the coupler's angular acceleration, where they are not near zero.
+        // Eqs. (3), (4): tangential acceleration of the centre, and angular acceleration of the coupler, where they are
+        // not almost 0.
         let epsilon = run.get("drive.acceleration");
         let (rz, drz) = parts[0].radius();
         let v = C::new(run.get("C.velocity_x"), run.get("C.velocity_y"));
@@ -185,7 +186,7 @@ fn four_bar(run: &mut Run, crank_mass: f64, rocker_mass: f64) {
     worst.assert_within(ACCURACY);
 }
 
-/// What one body adds to the mechanism reduced to its crank: eqs. (1), (2), (11), (12).
+/// The contribution of one body to the one-element outputs of the crank: eqs. (1), (2), (11), (12).
 fn by_body(worst: &mut Worst, run: &mut Run, owner: &str, part: &Part, size: f64) {
     let mut get = |suffix: &str| run.get(&format!("{owner}.{suffix}"));
     worst.compare("I_zS of a body", get("reduced_inertia"), part.inertia().0, 0.0);
@@ -193,7 +194,7 @@ fn by_body(worst: &mut Worst, run: &mut Run, owner: &str, part: &Part, size: f64
     if part.mass > 0.0 {
         worst.compare("R_z", get("effective_radius"), part.center[1].norm(), 0.1);
     }
-    // 1 / i_m, as the coupler turns at times without speed.
+    // 1 / i_m, because the coupler's speed is 0 at times.
     worst.compare("i_m", 1.0 / get("ratio"), part.angle[1], 1.0);
 }
 
@@ -216,14 +217,14 @@ fn the_bodies_of_a_four_bar_linkage_are_superposed() {
     four_bar(&mut Run::new(&text), 0.7, 1.3);
 }
 
-/// The crane of fig. 10, reduced first to the jib's angle, then to the cylinder's length x.
+/// The crane of fig. 10, reduced to the angle of the jib, then to the length x of the cylinder.
 #[test]
 fn a_crane_jib_with_its_cylinder() {
     let mut run = Run::new(changed(CRANE, |m| m["actuators"]["cylinder"]["by_body"] = json!(true)));
     let linkage = FourBar { crank: 16.0, coupler: 3.0, rocker: 11.5, pivot: C::new(-2.5, 5.0), side: -1.0 };
     let mut worst = Worst::default();
     for k in 0..=200 {
-        // Above the toggle at 0.909 rad, where beak and connector are in line.
+        // Above the toggle at 0.909 rad, at which beak and connector are in line.
         let (theta, omega) = (1.0 + 0.0025 * f64::from(k), 0.3 * wave(k, 0.7));
         run.place(("jib.start_angle", theta), ("jib.start_speed", omega));
         let (hook, own) = (C::new(0.3, -1.0) * 3e4 * wave(k, 1.1), C::new(wave(k, 1.3), wave(k, 1.5)) * 1e4);
@@ -259,7 +260,7 @@ fn a_crane_jib_with_its_cylinder() {
         worst.compare("x", run.get("cylinder.length"), x, 0.0);
         worst.compare("m_zS of the beak", run.get("cylinder.beak.reduced_mass"), mass, 0.0);
         worst.compare("F_Su of the beak", run.get("cylinder.beak.static_load"), moment / x1, moment_size / x1);
-        // A table is accurate relative to its largest value, here that next to the toggle.
+        // The error of a table is relative to its largest value, which occurs here near the toggle.
         let inverse = 1.0 / run.get("cylinder.beak.effective_radius");
         worst.compare("R_e", inverse, beak[1] / x1, linkage.angles(1.0).0[1] / x1);
         worst.compare("i_v", run.get("cylinder.beak.ratio"), x1 / parts[0].radius().0, 0.0);

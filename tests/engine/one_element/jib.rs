@@ -1,6 +1,6 @@
-//! [CK16] 3: the jib of fig. 12, equations (22)-(25), (32)-(42), over the paper's range of x from 2.2 to 3.2 m.
+//! [CK16] 3: the jib of fig. 12, equations (22)-(25), (32)-(42), over the range of x in the paper, 2.2 to 3.2 m.
 //!
-//! The mass m_C is at the jib's end; in one variant the jib has the inertia I_C too.
+//! The mass m_C is at the end of the jib. In one variant the jib also has the inertia I_C.
 use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{JIB, Run};
 
@@ -10,7 +10,7 @@ const L: f64 = 5.0;
 const MASS: f64 = 1000.0;
 const JIB_INERTIA: f64 = 4000.0;
 
-/// Angle of the jib at the cylinder's length x: the cosine rule in the triangle A, S, B.
+/// Angle of the jib for the cylinder length x: cosine rule in the triangle A, S, B.
 pub fn angle(x: f64) -> f64 {
     ((x * x - E * E - B * B) / (2.0 * E * B)).asin()
 }
@@ -98,9 +98,9 @@ fn closed_forms(run: &mut Run, inertia: f64) {
         let epsilon = acceleration / re - (speed / re).powi(2) * dre;
         worst.compare("(25) epsilon_C", run.get("jib.acceleration"), epsilon, size / L);
         worst.compare("T", run.get("energy.kinetic"), 0.5 * reduced * speed * speed, 0.0);
-        // At rest the same loads are held by F_Su.
+        // At rest F_Su balances the same loads.
         worst.compare("holding", run.get("cylinder.holding_force"), static_load, MASS * 9.81 / iv);
-        // dF_Su/dx: the loads turn with the jib, d theta / dx = 1 / R_e, and i_v changes.
+        // dF_Su/dx: the loads turn with the jib (d theta / dx = 1 / R_e), and i_v changes.
         let radial = -(end_x * theta.cos() + (end_y - MASS * 9.81) * theta.sin());
         let slope = -(radial / re) / iv - static_load * div / iv;
         let size = (MASS * 9.81 + end_x.abs() + end_y.abs()) / iv * (1.0 / re + (div / iv).abs());
@@ -116,7 +116,7 @@ fn the_mechanism_follows_the_closed_forms_and_with_an_inertia_of_the_jib_too() {
     closed_forms(&mut Run::replaced(JIB, &[("\"jib\": { \"length\": 5,", &jib)]), JIB_INERTIA);
 }
 
-/// Eqs. (24), (31), (34): v_S^2 goes with di_v/dx; in print with di_v/dt, which is v_S di_v/dx.
+/// Eqs. (24), (31), (34) contain v_S^2 di_v/dx. The paper prints di_v/dt, which is v_S di_v/dx.
 #[test]
 fn the_formulas_in_print_disagree() {
     let mut run = Run::new(JIB);

@@ -1,18 +1,18 @@
-//! A block on a rail, with a drive, a load, a spring and a damper: motions in closed form.
+//! A block on a rail with a drive, a load, a spring and a damper: motions in closed form.
 use crate::support::Run;
 use crate::support::definition::{With, block};
 use serde_json::json;
 
 pub const MASS: f64 = 2.0;
 
-/// The block's state and what acts on it.
+/// State of the block, and its loads.
 #[derive(Default)]
 pub struct Slider {
     pub x: f64,
     pub v: f64,
-    /// Efficiency of the drive, none given where absent.
+    /// Efficiency of the drive. None: a drive without the key.
     pub eta: Option<f64>,
-    /// Stiffness and damping between ground and block, free length 0.
+    /// Stiffness and damping between ground and block. The free length is 0.
     pub stiffness: f64,
     pub damping: f64,
 }
@@ -35,8 +35,8 @@ impl Slider {
         run
     }
 
-    /// Move for h [s] under a push through the drive with losses and a constant load, without spring; the number of
-    /// stops.
+    /// Motion over h [s] under a drive force with losses and a constant load, without spring. Returns the number of
+    /// times at which the block stops.
     pub fn advance(&mut self, push: f64, load: f64, h: f64) -> u32 {
         let eta = self.eta.unwrap_or(1.0);
         let along = |direction: f64| (load + if push * direction > 0.0 { push * eta } else { push / eta }) / MASS;

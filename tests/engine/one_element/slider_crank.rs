@@ -1,7 +1,7 @@
 //! [CK16] 2: the slider-crank of fig. 5, equations (1)-(4), (11)-(21).
 //!
-//! The paper's piston alone has mass. Here the crank has the inertia J and, in one variant, the rod the inertia I_C, so
-//! that I_zS = J + m_C R_z^2 + I_C / i_m^2. alpha is counted from the inner dead centre, where the crank points down.
+//! In the paper only the piston has mass. Here the crank also has the inertia J and, in one variant, the rod has the
+//! inertia I_C: I_zS = J + m_C R_z^2 + I_C / i_m^2. alpha starts at the inner dead centre, where the crank points down.
 use super::worst::{ACCURACY, Worst, wave};
 use crate::support::{Run, SLIDER_CRANK};
 use std::f64::consts::{FRAC_PI_2, TAU};
@@ -12,12 +12,12 @@ const MASS: f64 = 0.8;
 const CRANK_INERTIA: f64 = 0.004;
 const ROD_INERTIA: f64 = 0.0023;
 
-/// Eq. (18) with what stands before sin^2 under the root as an argument: l^2/r^2, in print r^2/l^2.
+/// Eq. (18) with the factor of sin^2 under the root as an argument: l^2/r^2. The paper prints r^2/l^2.
 fn radius(alpha: f64, ratio: f64) -> f64 {
     R * (alpha.sin() - 0.5 * (2.0 * alpha).sin() / (ratio - alpha.sin().powi(2)).sqrt())
 }
 
-/// Eq. (19); `factor` is 1, in print 1/2.
+/// Eq. (19). `factor` is 1. The paper prints 1/2.
 fn radius_derivative(alpha: f64, ratio: f64, factor: f64) -> f64 {
     let (under, s2, c2) = (ratio - alpha.sin().powi(2), (2.0 * alpha).sin(), (2.0 * alpha).cos());
     R * (alpha.cos() - factor * (2.0 * c2 * under + 0.5 * s2 * s2) / (2.0 * under.powf(1.5)))
@@ -25,7 +25,7 @@ fn radius_derivative(alpha: f64, ratio: f64, factor: f64) -> f64 {
 
 const RATIO: f64 = (ROD / R) * (ROD / R);
 
-/// Ratio i_m between crank and rod, eq. (2), and its derivative.
+/// Ratio i_m of crank and rod, eq. (2), and its derivative.
 fn ratio(alpha: f64) -> (f64, f64) {
     let root = (RATIO - alpha.sin().powi(2)).sqrt();
     (root / alpha.cos(), alpha.sin() * (RATIO - 1.0) / (root * alpha.cos().powi(2)))
@@ -35,7 +35,7 @@ fn place(run: &mut Run, alpha: f64, omega: f64) {
     run.place(("crank.start_angle", alpha - FRAC_PI_2), ("crank.start_speed", omega));
 }
 
-/// alpha, omega_S, T_S, piston force, demanded acceleration: angles all around and beyond, speeds of both signs.
+/// alpha, omega_S, T_S, piston force, demanded acceleration: angles of more than one turn, speeds of both signs.
 fn states() -> impl Iterator<Item = [f64; 5]> {
     (0..400).map(|k| {
         [-3.0 + 0.031 * f64::from(k), 300.0 * wave(k, 0.7), 40.0 * wave(k, 1.1), 2e3 * wave(k, 1.9), 5e4 * wave(k, 2.3)]
@@ -51,10 +51,10 @@ fn closed_forms(run: &mut Run, rod_inertia: f64) {
         let (rz, drz) = (radius(alpha, RATIO), radius_derivative(alpha, RATIO, 1.0));
         let (im, dim) = ratio(alpha);
         let inertia = CRANK_INERTIA + MASS * rz * rz + rod_inertia / (im * im);
-        // Eqs. (14), (21): the two parts cancel in places.
+        // Eqs. (14), (21): the two terms may cancel.
         let terms = [2.0 * MASS * rz * drz, -2.0 * rod_inertia * dim / im.powi(3)];
         let change = terms[0] + terms[1];
-        // F_C^v of eq. (6) opposes the motion: the weight less the force upwards.
+        // F_C^v of eq. (6) opposes the motion: weight minus upward force.
         let static_load = (MASS * 9.81 - force) * rz;
         let additional = -0.5 * omega * omega * change;
         let full = [static_load.abs(), additional.abs(), torque.abs()].into_iter().fold(0.0, f64::max);
@@ -97,12 +97,12 @@ fn the_formulas_in_print_disagree() {
         let alpha = TAU * f64::from(k) / 100.0;
         place(&mut run, alpha, 7.0);
         let rz = run.get("piston.velocity_y") / 7.0;
-        // (18), (20): r^2/l^2 in place of l^2/r^2.
+        // Eqs. (18), (20) print r^2/l^2 instead of l^2/r^2.
         match radius(alpha, print) {
             printed if printed.is_nan() => imaginary += 1,
             printed => apart += i32::from((printed - rz).abs() > 0.1 * R),
         }
-        // (19): one factor 1/2 too many; (21), which contains it, has it right.
+        // Eq. (19) prints an additional factor 1/2. Eq. (21), which contains (19), is correct.
         let drz = run.get("drive.reduced_inertia_derivative") / (2.0 * MASS * rz);
         let correction = (radius_derivative(alpha, RATIO, 1.0) - R * alpha.cos()).abs();
         if rz.abs() > 0.1 * R {

@@ -1,7 +1,7 @@
 //! Comparison of outputs with closed forms.
 
-/// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), with up to three
-/// tables multiplied and divided by one another.
+/// Rounding of the compared expressions and of the tables (1e-13 of each table's largest value), for products and
+/// quotients of up to three tables.
 pub const ACCURACY: f64 = 1e-12;
 
 /// Numbers between -1 and 1 that differ from state to state.
@@ -14,7 +14,7 @@ pub fn wave(k: i32, rate: f64) -> f64 {
 pub struct Worst(Vec<(&'static str, f64)>);
 
 impl Worst {
-    /// `size`: the largest of the terms that make up the quantity, where they may cancel.
+    /// `size`: the largest term of the quantity, if its terms may cancel.
     pub fn compare(&mut self, what: &'static str, actual: f64, expected: f64, size: f64) {
         let error = (actual - expected).abs() / size.abs().max(expected.abs());
         let error = if actual == expected { 0.0 } else { error };

@@ -1,11 +1,11 @@
-//! The force of a prescribed motion: closed forms, the forward model, exact derivatives.
+//! The drive force of a prescribed motion: closed forms, forward simulation, exact derivatives.
 use super::{G, MASS, gear, is_close, lift, opened, slider_crank, stroke};
 use crate::support::Run;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 #[test]
-fn a_mass_lifted_by_a_cycloid_takes_m_times_g_plus_a() {
+fn a_mass_lifted_by_a_cycloid_needs_the_force_m_times_g_plus_a() {
     let (distance, duration) = (1.7, 0.8_f64);
     let motion = json!({ "profile": "cycloidal", "start_time": 0.1, "duration": duration, "distance": distance });
     for h in [0.003, 0.05, 0.3] {
@@ -68,7 +68,7 @@ fn the_force_of_a_smooth_motion_makes_the_same_motion_in_the_forward_model() {
             let next = driven.get("actuator.acting_force");
             forward.set("actuator.force", force);
             forward.set_derivative("actuator.force", 1, rate);
-            // The parabola that has the force at both ends of the step and its rate at the first.
+            // The parabola with the force at both ends of the step and its rate at the start.
             forward.set_derivative("actuator.force", 2, 2.0 * (next - force - rate * h) / (h * h));
             forward.step(h);
             worst = worst.max((driven.get("crank.angle") - forward.get("crank.angle")).abs());

@@ -1,17 +1,17 @@
-//! Motions that a mechanism cannot make, and definitions that state none: refused by name.
+//! Motions that a mechanism cannot make, and invalid definitions of a motion, are rejected with the name of the key.
 use super::{gear, is_close, lift, opened, slider_crank, stroke};
 use crate::support::{BUCKET, Run, assert_says, changed, refusal};
 use serde_json::{Value, json};
 
 #[test]
-fn a_motion_ends_at_a_stop_and_is_refused_beyond_it() {
+fn a_prescribed_motion_ends_at_a_stop_and_is_rejected_beyond_it() {
     let motion = |distance: f64| json!({ "profile": "cycloidal", "duration": 0.5, "distance": distance });
     let mut up = gear(&motion(stroke()), |_| {}).started();
     up.set("uplock.engage", true);
     (0..10).for_each(|_| up.step(0.06));
     assert!(up.is("retracted"));
     assert_eq!(up.get("crank.speed"), 0.0);
-    // The lock then holds the gear against the forces.
+    // With the motion off, the lock holds the gear against the forces.
     up.set("actuator.motion.enabled", false);
     up.set("actuator.force", 0.0);
     up.step(0.5);
@@ -31,7 +31,7 @@ fn a_motion_ends_at_a_stop_and_is_refused_beyond_it() {
 }
 
 #[test]
-fn a_lock_that_is_engaged_is_not_torn() {
+fn an_engaged_lock_cannot_be_overcome_by_a_prescribed_motion() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": 0.2 });
     let mut gear = gear(&motion, |_| {}).started();
     gear.set("downlock.engage", true);
@@ -44,8 +44,8 @@ fn a_lock_that_is_engaged_is_not_torn() {
 }
 
 #[test]
-fn a_dead_point_is_told_and_nothing_hangs() {
-    // The piston drives: it turns back at 0.45 m.
+fn a_dead_centre_is_reported_and_the_call_returns() {
+    // The piston drives the crank. Its motion reverses at 0.45 m.
     let definition = |motion: &Value| {
         let mut crank = slider_crank(&json!(null));
         crank["actuators"] = json!({ "ram": { "joint": "guide", "motion": motion } });
@@ -67,9 +67,10 @@ fn a_dead_point_is_told_and_nothing_hangs() {
     assert_says(error, &["ram.position = 0.6", "dead centre"]);
 }
 
-/// A drive between points at one distance, and in a joint that does not turn: no dead centre, but no drive at all.
+/// A drive between points at constant distance, or in a joint that does not move, has no dead centre and cannot move
+/// the mechanism.
 #[test]
-fn a_drive_that_never_moves_takes_no_motion() {
+fn a_drive_that_never_moves_cannot_have_a_prescribed_motion() {
     for (ends, words) in [
         (json!({ "first": "ground.origin", "second": "crank.end" }), "m apart in every position"),
         (json!({ "joint": "twins" }), "the joint is at 0 rad in every position"),
@@ -93,7 +94,7 @@ fn a_drive_that_never_moves_takes_no_motion() {
 }
 
 #[test]
-fn friction_that_locks_the_mechanism_against_its_drive_is_told() {
+fn friction_that_locks_the_mechanism_against_its_drive_is_an_error() {
     let text = changed(BUCKET, |bucket| {
         let drives = bucket["actuators"].as_object_mut().unwrap();
         let name = drives.keys().next().unwrap().clone();
@@ -109,7 +110,7 @@ fn friction_that_locks_the_mechanism_against_its_drive_is_told() {
 }
 
 #[test]
-fn definitions_that_make_no_motion_are_refused_by_name() {
+fn prescribed_motions_without_a_motion_are_rejected_with_their_name() {
     let refused = |motion: &Value, words: &[&str]| {
         assert_says(refusal(lift(motion)), words);
     };
@@ -135,7 +136,7 @@ fn definitions_that_make_no_motion_are_refused_by_name() {
 }
 
 #[test]
-fn a_motion_that_begins_elsewhere_than_the_start_is_warned_of() {
+fn a_prescribed_motion_that_starts_away_from_the_start_gives_a_warning() {
     let warned = |motion: &Value| opened(&lift(motion)).warnings();
     for (motion, words) in [
         (json!({ "position": 0.8 }), ["motion.position", "starts at 0.8", "the drive is at 0.5"]),

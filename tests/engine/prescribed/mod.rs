@@ -1,5 +1,5 @@
 //! Prescribed motion of a drive: closed forms of kinematics and force, inverse against forward dynamics, the energy
-//! balance, switches between motion and force, and what a mechanism cannot do.
+//! balance, switches between motion and force, and impossible motions.
 mod forces;
 mod limits;
 mod profiles;
@@ -32,7 +32,7 @@ fn opened(definition: &Value) -> Run {
     Run::new(definition)
 }
 
-/// The gear whose actuator has a motion, with more changes.
+/// The gear whose actuator has a prescribed motion, and further changes.
 fn gear(motion: &Value, change: impl FnOnce(&mut Value)) -> Run {
     let text = changed(GEAR, |gear| {
         gear["actuators"]["actuator"]["motion"] = motion.clone();

@@ -1,4 +1,4 @@
-//! Motions over time, by inputs and by profiles: steps of any size, kinks, short and late ones, tables.
+//! Prescribed motions by inputs and by profiles: steps of any size, kinks, short and late profiles, tables.
 use super::{G, MASS, gear, is_close, lift, opened, slider_crank};
 use serde_json::json;
 
@@ -24,7 +24,7 @@ fn steps_of_any_size_give_the_same_motion_and_force() {
     }
 }
 
-/// Derivatives of the acceleration hold for one step, and the motion is the integral of their polynomial.
+/// Derivatives of the acceleration apply to one step. The motion is the integral of their polynomial.
 #[test]
 fn a_motion_by_inputs_ends_a_step_where_its_acceleration_leads() {
     let given = [("winch.motion.speed", 0.2), ("winch.motion.acceleration", -0.4)];
@@ -55,7 +55,7 @@ fn a_trapezoid_has_the_acceleration_that_follows_at_its_kinks() {
     is_close(lift.get("slide.position"), -0.5, 1e-14);
 }
 
-/// A profile that takes a millisecond of a step of hours is resolved as in a step of its own.
+/// A profile of 1 ms within a step of hours is integrated as exactly as in a separate step.
 #[test]
 fn a_short_profile_in_a_long_step_keeps_the_energy() {
     let profile = json!({ "profile": "cycloidal", "distance": 2.5, "duration": 1e-3 });
@@ -69,9 +69,9 @@ fn a_short_profile_in_a_long_step_keeps_the_energy() {
     assert!(crank.get("energy.drift").abs() < 1e-8 * most, "{}", crank.get("energy.drift"));
 }
 
-/// Time has few digits left within a step that begins late; the motion within it does not show this.
+/// At a late start, time has few digits within a step. The motion within the profile stays exact.
 #[test]
-fn a_profile_that_begins_late_is_followed() {
+fn a_profile_with_a_late_start_is_followed() {
     let profile = json!({ "profile": "polynomial_4567", "distance": 2.5, "duration": 0.8, "start_time": 1e8 });
     let mut crank = opened(&slider_crank(&profile)).started();
     crank.step(1e8);
@@ -83,7 +83,7 @@ fn a_profile_that_begins_late_is_followed() {
     assert!(crank.get("energy.drift").abs() < 1e-8);
 }
 
-/// A table may begin at any speed; until its time comes the drive is at rest.
+/// A table may start with any speed. Before its start time the drive is at rest.
 #[test]
 fn a_table_waits_at_rest_for_its_time() {
     let table = json!({ "profile": "table", "points": [[0, 0], [1, 2]], "start_time": 0.5 });
@@ -96,6 +96,6 @@ fn a_table_waits_at_rest_for_its_time() {
     lift.step(0.6);
     is_close(lift.get("slide.position"), 0.5 + 2.0 * 0.5, 1e-12);
     is_close(lift.get("slide.speed"), 2.0, 1e-12);
-    // The drive grips at 0.5 s: the mass gets its speed at once, which is work.
+    // At 0.5 s the mass gets the start speed of the table at once. This is work of the drive.
     assert!(lift.get("energy.drift").abs() < 1e-9, "{}", lift.get("energy.drift"));
 }

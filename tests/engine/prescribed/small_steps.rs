@@ -1,16 +1,16 @@
-//! Small steps: each takes its part of an energy that was integrated over a time that goes on beyond it.
+//! Small steps under a prescribed motion: each step uses its part of an energy that is integrated beyond the step.
 use super::{gear, is_close, stroke};
 use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
 
-/// Outputs that show position, speed, force and balance.
+/// Outputs for position, speed, force and energy balance.
 const NAMES: [&str; 4] = ["crank.angle", "crank.speed", "actuator.acting_force", "energy.drift"];
 
 fn with_friction(gear: &mut Value) {
     gear["friction"]["enabled"] = json!(true);
 }
 
-/// The drift shows every power that was counted in the wrong step, under a load that has changed since, or twice.
+/// The drift shows any power that counts in a wrong step, under a load that has changed since, or twice.
 #[test]
 fn the_balance_holds_whatever_changes_between_small_steps() {
     let motion =
@@ -53,9 +53,9 @@ fn small_steps_end_where_one_large_step_does() {
     }
 }
 
-/// A step that fails changes nothing, though the balance had been integrated beyond its start.
+/// A failed step changes nothing, although the energy is integrated beyond its start.
 #[test]
-fn the_balance_is_right_after_a_step_that_is_refused() {
+fn the_balance_is_correct_after_a_rejected_step() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": stroke() + 0.01 });
     let mut gear = gear(&motion, with_friction).started();
     let failed = (0..5000).any(|_| {
@@ -72,7 +72,7 @@ fn the_balance_is_right_after_a_step_that_is_refused() {
 }
 
 #[test]
-fn twins_in_small_steps_agree_to_the_bit() {
+fn two_models_in_small_steps_are_bit_identical() {
     for motion in
         [json!({ "profile": "polynomial_345", "duration": 0.3, "distance": 0.3 }), json!({ "position": 0.45 })]
     {

@@ -1,4 +1,4 @@
-//! A drive between motion and force, and saved states of both.
+//! Switches of a drive between motion and force, and saved states of both.
 use super::{G, MASS, gear, is_close, lift, opened};
 use crate::support::assert_says;
 use linkage_fmu::mechanism::Model;
@@ -12,7 +12,7 @@ fn a_drive_is_switched_between_motion_and_force_in_a_run() {
     lift.listen(true, false);
     lift.step(0.5);
     is_close(lift.get("slide.position"), 1.0, 1e-14);
-    // Without force: free fall from 1 m at 1 m/s.
+    // With the drive off: free fall from 1 m at 1 m/s.
     lift.set("winch.motion.enabled", false);
     lift.set("winch.force", 0.0);
     lift.step(0.25);
@@ -20,18 +20,18 @@ fn a_drive_is_switched_between_motion_and_force_in_a_run() {
     is_close(lift.get("slide.position"), position, 1e-12);
     is_close(lift.get("slide.speed"), speed, 1e-12);
     assert!(lift.get("energy.drift").abs() < 1e-10);
-    // Caught at another speed: the impulse is told.
+    // The drive is switched on at another speed: the impulse is reported.
     let here = lift.get("slide.position");
     lift.set("winch.motion.enabled", true);
     lift.set("winch.motion.position", here);
     lift.set("winch.motion.speed", -0.2);
     is_close(lift.get("slide.speed"), -0.2, 1e-14);
     lift.step(0.1);
-    let told: Vec<String> = lift.take_occurrences(0.75).into_iter().map(|line| line.text).collect();
-    assert_says(&told[0], &["t = 0.75 s", "motion of the drive winch", "jumps by 1.2525 m/s", "2.505 N.s"]);
+    let lines: Vec<String> = lift.take_occurrences(0.75).into_iter().map(|line| line.text).collect();
+    assert_says(&lines[0], &["t = 0.75 s", "motion of the drive winch", "jumps by 1.2525 m/s", "2.505 N.s"]);
     is_close(lift.get("slide.position"), position - 0.02, 1e-12);
     assert!(lift.get("energy.drift").abs() < 1e-10, "{}", lift.get("energy.drift"));
-    // Somewhere else than where the drive is: refused, and nothing has changed.
+    // The prescribed position differs from the drive's position: an error, and nothing changes.
     lift.set("winch.motion.enabled", false);
     lift.step(0.01);
     let before = lift.get("slide.position");
@@ -48,7 +48,7 @@ fn a_drive_is_switched_between_motion_and_force_in_a_run() {
 }
 
 #[test]
-fn a_saved_state_goes_on_to_the_bit() {
+fn a_saved_state_continues_bit_identically() {
     let motions = [
         json!({ "profile": "trapezoid", "distance": 0.3, "speed": 0.5, "acceleration": 3 }),
         json!({ "position": 0.45 }),
@@ -83,7 +83,7 @@ fn a_saved_state_goes_on_to_the_bit() {
                     run.set("actuator.motion.position", position + 1e-5);
                 }
             }
-            // Reading before the step changes nothing.
+            // Reading outputs before the step changes nothing.
             gear.bits(names);
             [&mut gear, &mut twin, &mut quiet].into_iter().for_each(|run| Model::step(run, 0.013).unwrap());
             let bits = [&mut gear, &mut twin, &mut quiet].map(|run| run.bits(names));
@@ -93,7 +93,7 @@ fn a_saved_state_goes_on_to_the_bit() {
 }
 
 #[test]
-fn a_profile_begins_anew_where_the_drive_is_when_it_is_enabled_again() {
+fn a_profile_restarts_at_the_drives_position_when_it_is_enabled_again() {
     let motion = json!({ "profile": "cycloidal", "duration": 0.5, "distance": 0.3, "enabled": false });
     let mut lift = opened(&lift(&motion));
     lift.set("winch.force", MASS * G);

@@ -1,5 +1,5 @@
-//! Strategies for random linkages: loops of four bodies and chains of six, any body as the ground, joints of both
-//! kinds. Bodies are posed first and joints placed in the plane afterwards, so that every loop closes by construction.
+//! Random linkages: loops of four bodies and chains of six, any body as the ground, joints of both types. The bodies
+//! are placed first and the joints afterwards in the plane, so that every loop closes.
 use crate::support::oracle;
 use crate::support::oracle::linkage::{
     Attachment, Body, Coordinate, Freedom, GROUND, Joint, Linkage, Loads, Mass, Rider,
@@ -8,7 +8,7 @@ use crate::support::{Vec2, turned};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A chain: which bodies are joined, how many joints are prismatic.
+/// A chain: the pairs of joined bodies, and the number of prismatic joints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chain {
     pub name: &'static str,
@@ -18,9 +18,9 @@ pub struct Chain {
 }
 
 const LOOP: &[(usize, usize)] = &[(0, 1), (1, 2), (2, 3), (3, 0)];
-/// Two loops of four that share a joint between two ternary bodies.
+/// Watt's chain: two loops of four bodies that share a joint between two ternary bodies.
 const WATT: &[(usize, usize)] = &[(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (4, 5), (5, 1)];
-/// Two ternary bodies joined by two single bodies and by a pair.
+/// Stephenson's chain: two ternary bodies joined by two single bodies and by a pair of bodies.
 const STEPHENSON: &[(usize, usize)] = &[(0, 2), (2, 1), (0, 3), (3, 1), (0, 4), (4, 5), (5, 1)];
 
 pub const CHAINS: [Chain; 7] = [
@@ -33,35 +33,35 @@ pub const CHAINS: [Chain; 7] = [
     Chain { name: "Stephenson with a slider", bodies: 6, joints: STEPHENSON, slides: 1 },
 ];
 
-/// Points of one body are at least this far apart [m]; all lie in a square of side 2.
+/// Smallest distance of two points of a body [m]. All points are in a square of side 2.
 const SHORTEST: f64 = 0.1;
-/// A crossing of branches this near is left out: in lengths of a four-bar [m], as the second smallest singular value of
-/// the constraint Jacobian at the start.
+/// Linkages nearer to a crossing than this are discarded: difference of lengths of a four-bar [m], or second smallest
+/// singular value of the constraint Jacobian at the start.
 const CROSSING: f64 = 1e-3;
-/// Numbers that a linkage is made of.
+/// Number of random numbers that determine a linkage.
 const NUMBERS: usize = 200;
 
-/// Why numbers give no linkage.
+/// Reason to discard a linkage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Discard {
-    /// Two points of a body, or the actuator's ends, nearly coincide.
+    /// Two points of a body, or the two ends of the actuator, nearly coincide.
     Short,
-    /// Branches cross nearby.
+    /// A crossing is near.
     Crossing,
 }
 
-/// The numbers that a linkage is made of.
+/// Random numbers from which a linkage is built.
 pub fn numbers() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(0.0..1.0f64, NUMBERS)
 }
 
-/// Random linkages of all chains; loops of four bodies, which are cheaper, twice as often.
+/// Random linkages of all chains. Four-bars, which need less time, occur twice as often.
 pub fn linkages() -> impl Strategy<Value = Linkage> {
     let chain = prop::sample::select([&CHAINS[..], &CHAINS[..3]].concat());
     (chain, numbers()).prop_filter_map("nearly degenerate", |(chain, numbers)| build(chain, &numbers).ok())
 }
 
-/// Numbers from 0 to 1, dealt one by one.
+/// Random numbers from 0 to 1, used one after the other.
 struct Deck<'a>(std::slice::Iter<'a, f64>);
 
 impl Deck<'_> {
@@ -88,10 +88,10 @@ impl Deck<'_> {
     }
 }
 
-/// A linkage from numbers between 0 and 1, unless it is nearly degenerate.
+/// Build a linkage from numbers between 0 and 1, unless it is nearly degenerate.
 pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
     let mut deck = Deck(numbers.iter());
-    // Any body of the chain may be the ground, any joint named first.
+    // Any body of the chain may be the ground, and any joint may be the first.
     let shift = deck.below(chain.bodies);
     let body = |b: usize| (b + shift) % chain.bodies;
     let mut edges: Vec<(usize, usize)> = chain.joints.iter().map(|&(a, b)| (body(a), body(b))).collect();
@@ -104,13 +104,13 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
     }
     let first_slide = deck.below(edges.len());
     let slides = |j: usize| (j + edges.len() - first_slide) % edges.len() < chain.slides;
-    // Ends of each joint in the plane.
+    // The two end points of each joint in the plane.
     let mut ends = Vec::new();
     let mut axes = Vec::new();
     for j in 0..edges.len() {
         let first = deck.point();
         let (axis, square, position) = (deck.between(-PI, PI), deck.chance(), deck.between(-1.0, 1.0));
-        // Along x or y as often as not: parts of the reactions then vanish.
+        // Half of the axes are parallel to x or y. Some reaction components then vanish.
         let axis = if square { (axis / FRAC_PI_2).round() * FRAC_PI_2 } else { axis };
         ends.push((first, if slides(j) { first + turned(Vec2::new(position, 0.0), axis) } else { first }));
         axes.push((axis, position));
@@ -188,7 +188,8 @@ pub fn build(chain: Chain, numbers: &[f64]) -> Result<Linkage, Discard> {
     Ok(linkage)
 }
 
-/// A body posed in the plane, with its joints' places as its first points: as a rod from `origin` to `end`, or anyhow.
+/// A body placed in the plane, whose first points are the positions of its joints: as a rod from `origin` to `end`, or
+/// with any frame.
 fn pose(b: usize, own: &[Vec2], deck: &mut Deck) -> Body {
     let (rod, somewhere, angle, mass) = (deck.chance(), deck.point(), deck.between(-PI, PI), deck.mass());
     let along = own[1] - own[0];
@@ -218,7 +219,7 @@ fn pose(b: usize, own: &[Vec2], deck: &mut Deck) -> Body {
     }
 }
 
-/// Grashof's excess of a four-bar, longest + shortest - the two others [m], and how far off a flat position is [m].
+/// Grashof's excess of a four-bar, longest + shortest - the two others [m], and the distance from a flat position [m].
 fn excess(linkage: &Linkage) -> (f64, f64) {
     let mut sides = sides(linkage);
     sides.sort_by(f64::total_cmp);

@@ -1,6 +1,6 @@
-//! Random linkages against Newton and Euler's equations in absolute coordinates, solved with nothing of the engine.
+//! Random linkages against the Newton-Euler equations in absolute coordinates, solved without any code of the engine.
 //!
-//! 100 linkages for each property; `LINKAGE_FMU_CASES=600 cargo test --test engine random_linkages` tests 600.
+//! 100 linkages per property. `LINKAGE_FMU_CASES=600 cargo test --test engine random_linkages` tests 600.
 pub mod generate;
 mod run;
 
@@ -17,18 +17,18 @@ use proptest::test_runner::TestRunner;
 use run::{Run, State};
 use std::collections::BTreeMap;
 
-/// Linkages for each property if the environment asks for no other number.
+/// Number of linkages per property, unless the environment variable sets another number.
 const CASES: u32 = 100;
 /// Accuracy of the engine's tables, relative to the largest value along the motion.
 const TABLE: f64 = 1e-13;
-/// Rounding of sums of a few tens of terms, each with the rounding of an angle's table.
+/// Rounding of sums of some tens of terms, each with the rounding of a table of angles.
 const ROUNDING: f64 = 1e-13;
 
 /// Tolerance of the integration in the definitions.
 const TOLERANCE: f64 = 1e-12;
-/// The estimate of a step's error is now and then too small, in one motion of about a thousand; by less than this.
+/// In about one of a thousand motions the estimate of a step's error is too small, by less than this factor.
 const MISJUDGED: f64 = 100.0;
-/// Of a hundred cases this many may be refused by the engine for what it states that it refuses.
+/// Of a hundred cases the engine may reject this many for its documented limits.
 const REFUSED: u32 = 3;
 
 fn config() -> ProptestConfig {
@@ -42,8 +42,8 @@ fn config() -> ProptestConfig {
     }
 }
 
-/// What the engine gives, or a case set aside for a stated limit: an actuator whose ends meet, branches of motion that
-/// almost cross (`singular` shows how near), or an unlimited slide that leaves the stretch that is traced.
+/// The result of the engine. A case beyond a documented limit is discarded: coinciding ends of an actuator, branches
+/// that almost cross (measured by `singular`), or an unlimited slide that leaves the traced stretch.
 fn given<T>(linkage: &Linkage, result: Result<T, SimulationError>) -> Result<T, TestCaseError> {
     let model_error = |error| match error {
         ModelError::Reduction(ReductionError::EndsMeet { .. }) => TestCaseError::reject("ends meet"),
@@ -72,8 +72,8 @@ fn within(what: &str, error: f64, bound: f64) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Within the bound at the tolerance, or a step was misjudged; then at a tenth of it. What is wrong with the tables or
-/// the laws of motion does not pass with another choice of steps.
+/// The error is within the bound at the tolerance. If a step was misjudged, the error must be within the bound at a
+/// tenth of the tolerance. A fault of the tables or of the laws of motion would remain with other steps.
 fn within_steps(
     what: &str,
     bound: f64,
@@ -84,7 +84,7 @@ fn within_steps(
     if first > bound { within(what, error(0.1)?, bound) } else { Ok(()) }
 }
 
-/// Positions, speeds, accelerations and reactions of the present state against the oracle's.
+/// Positions, speeds, accelerations and reactions of the present state agree with those of the oracle.
 fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
     let state = given(linkage, run.state())?;
     let motion = run.motion(&state);
@@ -108,18 +108,19 @@ fn agrees(run: &mut Run, linkage: &Linkage) -> Result<(), TestCaseError> {
         within("reaction", (force - f).norm().max((moment - m).abs()), bound)?;
     }
     let undefined = read_all(run.simulation.model_mut());
-    // A drive whose length the motion does not change, but for rounding, has no inverse dynamics.
+    // A drive whose length is constant except for rounding has no inverse dynamics.
     let stands_still = !undefined.is_empty() && run.simulation.get("push.reduced_mass").is_ok_and(|mass| mass > 1e20);
     prop_assert!(undefined.iter().all(|name| stands_still && name.starts_with("push.")), "{undefined:?}");
     Ok(())
 }
 
-/// Largest difference of two states, of values and of speeds; speeds of the second times `sign`.
+/// Largest difference of two states, in values and speeds. The speeds of the second state are multiplied by `sign`.
 fn apart(a: &State, b: &State, sign: f64) -> f64 {
     a.iter().zip(b).fold(0.0, |w, (a, b)| w.max((a[0] - b[0]).abs()).max((a[1] - sign * b[1]).abs()))
 }
 
-/// What a small error at the start grows to at the end, for each unit, by differences; at least 1.
+/// Factor by which a small error at the start grows until the end, for values and speeds, by finite differences; at
+/// least 1.
 fn growth(linkage: &Linkage, run: &Run, steps: &[f64]) -> Result<f64, TestCaseError> {
     const OFF: f64 = 1e-7;
     let (end, _) = given(linkage, run.end([0.0, 0.0], steps))?;
@@ -130,7 +131,8 @@ fn growth(linkage: &Linkage, run: &Run, steps: &[f64]) -> Result<f64, TestCaseEr
     Ok(sum)
 }
 
-/// The linkage at a state: the guess there, the start stated by its fastest coordinate, the speed reversed.
+/// The linkage in this state: the guess is the state, the fastest coordinate states the start, and the speed is
+/// reversed.
 fn turned_back(linkage: &Linkage, run: &Run, state: &State) -> Linkage {
     let mut back = linkage.clone();
     for (body, pose) in back.bodies.iter_mut().zip(run.motion(state).poses) {
@@ -173,7 +175,7 @@ fn few_are_discarded_and_every_type_occurs() {
 proptest! {
     #![proptest_config(config())]
 
-    /// The guess is a little astray; the start is the position as built, its speed as stated.
+    /// The guess is slightly wrong. The start is the built position with the stated speed.
     #[test]
     fn the_start_is_as_built(linkage in linkages()) {
         let mut run = given(&linkage, Run::new(&linkage))?;
@@ -192,7 +194,7 @@ proptest! {
         prop_assert!((state[own][0] - value).abs() < ROUNDING);
     }
 
-    /// At the start, then after each of a few steps: closed loops, Newton and Euler's equations, energy.
+    /// At the start and after each of a few steps: closed loops, Newton-Euler equations, energy.
     #[test]
     fn motion_obeys_newton_and_euler(linkage in linkages(), steps in prop::collection::vec(0.01..0.5f64, 6)) {
         let mut run = given(&linkage, Run::new(&linkage))?;
@@ -207,7 +209,7 @@ proptest! {
             let kinetic = given(&linkage, run.simulation.get("energy.kinetic"))?;
             within("energy.kinetic", (kinetic - motion.kinetic()).abs(), TABLE * largest)?;
         }
-        // A step errs by the tolerance in speed, twice that in energy, and in position, in both components at once.
+        // The error per step is the tolerance in speed and position, and twice the tolerance in energy.
         let count = run.simulation.model().statistics().accepted as f64;
         within_steps("energy", (4.0 * count * TOLERANCE + TABLE) * largest, |part| {
             let mut run = run.clone();
@@ -228,7 +230,7 @@ proptest! {
         })?;
     }
 
-    /// Back from the end, at the opposite speed, through a model traced from there.
+    /// A motion from the end state with the opposite speed, in a model built from this state, returns to the start.
     #[test]
     fn motion_reversed_returns(linkage in linkages(), time in 0.1..3.0f64) {
         let run = given(&linkage, Run::new(&linkage))?;
@@ -249,7 +251,7 @@ proptest! {
         })?;
     }
 
-    /// One step or many, at any tolerance.
+    /// One step and many steps agree, at any tolerance.
     #[test]
     fn steps_may_be_split(
         linkage in linkages(),

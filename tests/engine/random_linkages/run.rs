@@ -1,10 +1,10 @@
-//! One model of a random linkage, read by the names of its variables.
+//! A model of a random linkage, whose variables are read by name.
 use crate::support::Vec2;
 use crate::support::oracle::Motion;
 use crate::support::oracle::linkage::{Coordinate, Freedom, Linkage};
 use linkage_fmu::simulation::{Simulation, SimulationError};
 
-/// A simulation with the linkage that it was made from.
+/// A simulation with the linkage from which it was built.
 #[derive(Clone)]
 pub struct Run<'a> {
     linkage: &'a Linkage,
@@ -32,7 +32,7 @@ impl<'a> Run<'a> {
         Ok(state)
     }
 
-    /// The oracle's view of a state.
+    /// The state as the oracle represents it.
     pub fn motion(&self, state: &State) -> Motion<'a> {
         Motion::of(self.linkage, state)
     }
@@ -50,7 +50,7 @@ impl<'a> Run<'a> {
         Ok(reactions)
     }
 
-    /// The end of a motion that starts off the stated start by these amounts, in these steps.
+    /// The end of a motion with these steps, whose start differs from the stated start by `off`.
     pub fn end(&self, off: [f64; 2], steps: &[f64]) -> Result<(State, u64), SimulationError> {
         let mut run = self.clone();
         let (_, value, speed) = self.linkage.start;

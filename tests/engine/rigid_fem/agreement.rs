@@ -1,4 +1,4 @@
-//! Motion, accelerations and reactions in both formulations, for each load and for other linkages.
+//! Motion, accelerations and reactions in both formulations, for each load and for several linkages.
 use super::both::Both;
 use super::{heavy_four_bar, strut};
 use crate::support::{ANDREWS, CHAIN, GEAR, changed};
@@ -6,7 +6,7 @@ use serde_json::json;
 
 #[test]
 fn accelerations_and_forces_are_those_of_the_reduced_model() {
-    // Moving, so that terms with the speed are seen: none is missing, else the differences would not fall.
+    // In motion, so that a missing speed-dependent term would keep the differences from decreasing.
     let text = changed(GEAR, |m| m["start"] = json!({ "body": "crank", "angle": 0.3, "speed": -12 }));
     let mut last = [f64::INFINITY; 4];
     for factor in [1.0, 10.0, 100.0, 1000.0] {
@@ -16,12 +16,12 @@ fn accelerations_and_forces_are_those_of_the_reduced_model() {
         }
         last = differences;
     }
-    // Some 1e3 rad/s2 and 1e5 N.
+    // Sizes are some 1e3 rad/s2 and 1e5 N.
     assert!(last[2] < 1e-4 && last[3] < 1e-1, "{last:?}");
 }
 
 #[test]
-fn all_loads_of_the_gear_act_alike_in_both() {
+fn all_loads_of_the_gear_are_equal_in_both_formulations() {
     let text = changed(GEAR, |m| {
         let hinge = json!({ "joint": "joint3", "stiffness": 90, "damping": 3, "free_angle": 1.2 });
         m["springs"] = json!({ "strut": strut(), "hinge": hinge });
@@ -45,12 +45,12 @@ fn all_loads_of_the_gear_act_alike_in_both() {
         assert!(gear.lost > 50.0 && drift.abs() < 1e-3, "{drift:e}");
         worst.push(angle);
     }
-    // The elastic limit, 1.4e-4 / 100, and the step's error, 3e2 h^2.
+    // Elastic limit 1.4e-4 / 100, and error of the step 3e2 h^2.
     assert!(worst[0] < 1e-5 && worst[1] < 1e-6, "{worst:?}");
 }
 
 #[test]
-fn each_load_alone_accelerates_both_alike() {
+fn each_load_alone_gives_equal_accelerations() {
     for (name, size) in [
         ("actuator.force", 2e4),
         ("load_factor", 3.0),
@@ -75,7 +75,7 @@ fn each_load_alone_accelerates_both_alike() {
         let mut gear = Both::new(&text, 1e5, 1e-6);
         let acceleration = gear.get("crank.acceleration");
         let [.., differs, force] = gear.differences();
-        // The elastic error is below 1e-9, rounding in the rods' forces is E A 1e-16 / l = 0.1 N: 3e-6 of the force.
+        // The elastic error is below 1e-9. The rounding of the rod forces is E A 1e-16 / l = 0.1 N: 3e-6 of the force.
         assert!(acceleration.abs() > 1.0 && differs < 1e-6 * acceleration.abs(), "{name}: {differs:e}");
         assert!(force < 0.5, "{name}: {force:e}");
     }
@@ -87,7 +87,7 @@ fn forces_in_joints_follow_the_reactions() {
         let mut gear = Both::new(GEAR, factor, h_fem);
         gear.largest_share(26, 5e-3)
     });
-    // By the stretch, some 1e-4 and ten times that near the toggle.
+    // The strain is some 1e-4, and ten times larger near the toggle.
     assert!(shares[0] < 2e-3 && shares[1] < 2e-5, "{shares:?}");
 }
 
@@ -97,7 +97,7 @@ fn a_chain_of_four_bars_and_a_turning_crank_follow_too() {
     chain.steps(60, 1e-2);
     let [angle, speed, ..] = chain.differences();
     assert!(angle < 1e-6 && speed < 1e-5, "{angle:e} {speed:e}");
-    // Joints where three bodies meet: before it moves on, all forces.
+    // Joints of three bodies: compare all forces in the first steps.
     let mut chain = Both::new(CHAIN, 1e3, 2e-5);
     assert!(chain.differences()[3] < 1e-4, "{:e}", chain.differences()[3]);
     let mut four_bar = Both::new(&heavy_four_bar(), 10.0, 5e-6);
@@ -110,7 +110,7 @@ fn a_chain_of_four_bars_and_a_turning_crank_follow_too() {
 
 #[test]
 fn a_redundant_rod_follows_too() {
-    // A sixth rod across both parallelograms: balance alone no longer determines the rods' forces.
+    // A sixth rod across both parallelograms: the rod forces do not follow from balance alone.
     let text = changed(CHAIN, |m| {
         m["bodies"]["long"] = json!({ "length": 2, "mass": 2, "shape": "uniform_rod" });
         m["joints"]["long1"] = json!({ "type": "revolute", "first": "bar0.end", "second": "long.origin" });

@@ -1,11 +1,11 @@
-//! A mechanism in both formulations, side by side.
+//! A mechanism in both formulations.
 use crate::support::Run;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::linkage::Linkage;
 use linkage_fmu::mechanism::reactions::Reaction;
 use linkage_fmu::mechanism::rigid_fem::{RigidFem, RigidFemError, Scratch, State};
 
-/// E A of the gear's bodies [N]: E = 2.1e11 Pa, A of PHYSICS; of other mechanisms' bodies 1e9 N.
+/// E A of the bodies [N]. Gear: E = 2.1e11 Pa and A of PHYSICS. Other mechanisms: 1e9 N.
 fn stiffness(linkage: &Linkage, body: usize) -> f64 {
     let area = match linkage.bodies[body].name.as_str() {
         "crank" => 1e-2,
@@ -36,7 +36,7 @@ pub struct Both {
 }
 
 impl Both {
-    /// With E A times `factor`; the start with the static stretch or let go of without it.
+    /// E A is multiplied by `factor`. The start has the static strain if `stretched`, else no strain.
     pub fn started(text: &str, factor: f64, h_fem: f64, stretched: bool) -> Self {
         let mechanism = Mechanism::from_json(text).unwrap();
         let mut run = Run::new(text).with(&[("solver.tolerance", 1e-13)]).started();
@@ -65,13 +65,13 @@ impl Both {
         Self::started(text, factor, h_fem, true)
     }
 
-    /// Steps of the finite elements only.
+    /// A communication step of the finite elements only.
     pub fn fem_step(&mut self, h: f64) -> Result<(), RigidFemError> {
         self.lost += self.fem.advance(&mut self.state, &mut self.scratch, &self.sizes, h, self.h_fem)?;
         Ok(())
     }
 
-    /// A step of both.
+    /// A communication step of both formulations.
     pub fn step(&mut self, h: f64) {
         self.fem_step(h).unwrap();
         self.run.step(h);
@@ -85,7 +85,7 @@ impl Both {
         (0..count).for_each(|_| self.step(h));
     }
 
-    /// Set inputs of both.
+    /// Set inputs of both formulations.
     pub fn set(&mut self, values: &[(&str, f64)]) {
         self.run.set_all(values);
         self.sizes = sizes(&mut self.run);
@@ -110,7 +110,7 @@ impl Both {
         out
     }
 
-    /// Largest difference of forces after each of these steps, as a part of the largest force.
+    /// Largest difference of forces over these steps, relative to the largest force.
     pub fn largest_share(&mut self, count: u32, h: f64) -> f64 {
         (0..count).fold(0.0, |worst: f64, _| {
             self.step(h);
@@ -119,7 +119,7 @@ impl Both {
         })
     }
 
-    /// Largest difference of angle [rad], speed [rad/s] and acceleration [rad/s2] of all bodies, and of forces [N].
+    /// Largest difference of angle [rad], speed [rad/s] and acceleration [rad/s2] over all bodies, and of forces [N].
     pub fn differences(&mut self) -> [f64; 4] {
         let mut worst = [0.0f64; 4];
         for body in 1..self.linkage.bodies.len() {

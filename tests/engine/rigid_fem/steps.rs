@@ -1,4 +1,4 @@
-//! Steps of the finite elements: convergence to the rods' strain, vibration, what a step needs and refuses.
+//! Steps of the finite elements: convergence to the strain of the rods, vibration, saved state, rejected steps.
 use super::ELASTIC_LIMIT;
 use super::both::Both;
 use crate::gear_retraction::THETA_013;
@@ -18,7 +18,7 @@ fn gear_angles(factor: f64, h: f64) -> [f64; 3] {
     })
 }
 
-/// The limit h -> 0 of a second-order sequence, from steps h and h / 2.
+/// Limit h -> 0 of a second-order sequence, from the steps h and h / 2.
 fn limit(coarse: [f64; 3], fine: [f64; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| fine[k] + (fine[k] - coarse[k]) / 3.0)
 }
@@ -33,7 +33,7 @@ fn the_order_of_convergence_is_two() {
     });
     for pair in errors.windows(2) {
         let ((h_before, last), (h, error)) = (pair[0], pair[1]);
-        // The next term of the error is smaller by some (h omega)^2 with a rod's omega of 2e3 to 3e4 /s.
+        // The next error term is smaller by about (h omega)^2, with omega of a rod of 2e3 to 3e4 /s.
         let allowed = if h > 3e-4 { 0.1 } else { 0.02 };
         for k in 0..3 {
             let order = (last[k] / error[k]).ln() / (h_before / h).ln();
@@ -43,13 +43,13 @@ fn the_order_of_convergence_is_two() {
 }
 
 #[test]
-fn the_error_left_at_small_steps_is_the_rods_strain() {
-    // Against the rigid reference the error falls to the elastic limit, within the error of the steps.
+fn the_error_at_small_steps_is_the_strain_of_the_rods() {
+    // The difference from the rigid reference tends to the elastic limit, within the error of the steps.
     for (h, own) in [(1e-3, 4e2), (1e-4, 4e2), (1e-5, 4e2)] {
         let error = gear_angles(1.0, h)[2] - THETA_013;
         assert!((error - ELASTIC_LIMIT).abs() < own * h * h + 1e-9, "h = {h:e}: {error:e}");
     }
-    // And the limit is proportional to 1 / (E A): the next term is smaller by the strain of 1e-4.
+    // The limit is proportional to 1 / (E A). The next term is smaller by the strain of 1e-4.
     let mut last = ELASTIC_LIMIT;
     for (factor, h) in [(10.0, 1e-5), (100.0, 5e-6), (1000.0, 2e-6)] {
         let elastic = limit(gear_angles(factor, 2.0 * h), gear_angles(factor, h))[2] - THETA_013;
@@ -80,18 +80,18 @@ fn energy_drifts_with_the_square_of_the_step() {
         })
     };
     let (coarse, fine, finest) = (drift(1e-4), drift(1e-5), drift(1e-6));
-    // Of 8.5 kJ; rounding adds E A L times some 1e-16 a step.
+    // Relative to 8.5 kJ. Rounding adds some E A L 1e-16 per step.
     assert!((coarse / fine - 100.0).abs() < 5.0 && (fine / finest - 100.0).abs() < 5.0);
     assert!(finest < 1e-5);
 }
 
 #[test]
-fn a_jump_of_an_input_is_taken_up() {
-    // The motion of the rigid links changes at once; vibrations faster than the step are not set off.
+fn a_jump_of_an_input_changes_the_acceleration_immediately() {
+    // The motion of the rigid links changes at once. A jump does not excite vibrations faster than the step.
     let mut gear = Both::new(GEAR, 1.0, 1e-3);
     gear.set(&[("actuator.force", 20_000.0)]);
     let (fem, reduced) = (gear.fem.angle(&gear.state, gear.body("crank"), 2), gear.get("crank.acceleration"));
-    // The filter's part (h omega / 2)^-2 of the jump of 70 rad/s2, for the slowest of the rods, 2e4 /s.
+    // The filter's part (h omega / 2)^-2 of the jump of 70 rad/s2, for the slowest rod with 2e4 /s.
     assert!((fem - reduced).abs() < 0.3, "{fem} {reduced}");
     let theta = |h: f64| {
         let mut gear = Both::new(GEAR, 1.0, h);
@@ -102,7 +102,7 @@ fn a_jump_of_an_input_is_taken_up() {
     };
     let finest = theta(1e-6);
     assert!((finest.0 - finest.1).abs() < 1e-4, "elastic: {:e}", finest.0 - finest.1);
-    // Second order, but for the vibration that the jump sets off in the rods: some 1e-7 rad.
+    // Second order, except for the vibration of some 1e-7 rad that the jump excites in the rods.
     let errors = [1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5].map(|h| theta(h).0 - finest.0);
     for (pair, ratio) in errors.windows(2).zip([4.0, 4.0, 6.25, 4.0]) {
         assert!((pair[1] - pair[0] / ratio).abs() < 2e-7 + 0.02 * pair[1].abs(), "{errors:?}");
@@ -120,7 +120,7 @@ fn a_state_is_all_that_a_step_needs() {
     let mut again = saved.clone();
     gear.fem.advance(&mut again, &mut scratch, &gear.sizes, 0.05, 1e-4).unwrap();
     assert_eq!(again, after);
-    // 1e-3 s is divided into 4 steps if none may be longer than 3e-4 s.
+    // 1e-3 s is divided into 4 steps if the longest step is 3e-4 s.
     let divided = |h_fem: f64| {
         let mut state = saved.clone();
         gear.fem.advance(&mut state, &mut gear.fem.scratch(), &gear.sizes, 1e-3, h_fem).unwrap();
@@ -133,7 +133,7 @@ fn a_state_is_all_that_a_step_needs() {
 }
 
 #[test]
-fn a_refused_step_changes_nothing() {
+fn a_rejected_step_changes_nothing() {
     let mut gear = Both::new(GEAR, 1.0, 1e-3);
     let before = gear.state.clone();
     for (h, h_fem) in [(0.0, 1e-3), (f64::NAN, 1e-3), (1e-3, -1.0), (1e-3, f64::INFINITY)] {
@@ -152,19 +152,19 @@ fn a_refused_step_changes_nothing() {
 
 #[test]
 fn vibration_that_grows_is_an_error_not_a_motion() {
-    // Up and down at 30 rad/s through the toggles, at steps of thirty times a rod's radian.
+    // Oscillation through the toggles at 30 rad/s, with steps of thirty times 1 / omega of a rod.
     let text = changed(GEAR, |m| m["actuators"]["actuator"]["force"] = json!(20_000));
     let mut gear = Both::new(&text, 1.0, 2e-3);
     let start = gear.energy();
     let error = (0..200).find_map(|_| gear.fem_step(1e-2).err()).unwrap();
     assert!(matches!(error, RigidFemError::Strain { limit: 1e-2, .. }), "{error}");
-    // Before the error, it is no more than the energy of this strain, E A L 1e-4 / 2, in each rod.
+    // Before the error, the energy error is at most the energy of this strain in each rod, E A L 1e-4 / 2.
     let most: f64 = [(2.1e9, 0.1755), (8.9376e7, 0.217), (3.0492e8, 0.34)].iter().map(|(ea, l)| ea * l * 5e-5).sum();
     assert!((gear.energy() - start).abs() < 2.0 * most, "{} J of {most} J", gear.energy() - start);
 }
 
 #[test]
-fn bodies_that_are_no_binary_link_are_refused_by_name() {
+fn bodies_that_are_no_binary_link_are_rejected_with_their_name() {
     let refused = |text: &str, ea: f64| {
         let reduced = Run::new(text).reduced().unwrap().clone();
         RigidFem::new(reduced.linkage(), reduced.loading(), &|_| ea).unwrap_err()
@@ -193,7 +193,7 @@ fn bodies_that_are_no_binary_link_are_refused_by_name() {
     }
     let error = refused(&changed(FOUR_BAR, |m| m["actuators"]["drive"]["efficiency"] = json!(0.9)), 1e9);
     assert_says(&error, &["drive", "0.9", "set the efficiency to 1"]);
-    // The crank and the rocker of the shipped four-bar weigh nothing: its coupler's stretch would move no mass.
+    // The crank and the rocker of the shipped four-bar have no mass, so the strain of its coupler would move no mass.
     let reduced = Run::new(FOUR_BAR).reduced().unwrap().clone();
     let fem = RigidFem::new(reduced.linkage(), reduced.loading(), &|_| 1e9).unwrap();
     let c = reduced.curve().configuration(0.0);

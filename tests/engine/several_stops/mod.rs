@@ -1,7 +1,8 @@
-//! Several stops on a side: bumpers with a rigid stop behind them, dead centres behind a bumper, locks at any of them.
-//! Random scenes are held against an integration of their own: the equation of a block or a slider-crank in closed
-//! form, Runge-Kutta's steps of one small size, events by halving such a step. It knows quantities and their stops
-//! only, no places on a curve.
+//! Several stops on one side: bumpers with a rigid stop behind, dead centres behind a bumper, locks at any of these
+//! stops.
+//!
+//! The oracle for random scenes integrates the closed-form equation of a block or a slider-crank by Runge-Kutta steps
+//! of constant size, and locates events by bisection. It uses quantities and their stops only, without a curve.
 
 mod oracle;
 mod release;
@@ -31,7 +32,7 @@ fn random_scenes_agree_with_an_independent_integration() {
     );
 }
 
-/// A block passes the place of its bumper and comes to the rigid stop behind it; the flags on the way.
+/// A block passes its bumper and stops at the rigid stop behind it. The flags follow.
 #[test]
 fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
     let stops = [bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 0.0), rigid(Quantity::Slide, 1.0, 0.51, 0.0)];
@@ -47,20 +48,20 @@ fn a_rigid_stop_behind_a_bumper_ends_the_travel() {
             assert_eq!((run.is(&soft), run.is(&hard)), (x >= 0.5, x >= 0.51 - 1e-15), "{x}");
         }
         assert!((farthest - 0.51).abs() < 1e-15 && run.get("slide.speed") == 0.0, "{farthest}");
-        // The bumper carries 30 N, the stop the rest.
+        // The bumper carries 30 N, the rigid stop carries the rest.
         let [soft, hard] = [soft, hard].map(|name| name.replace("reached", "force"));
         assert!((run.get(&soft) + 30.0).abs() < 1e-9 && (run.get(&hard) + 70.0).abs() < 1e-9);
         assert!(run.get("energy.drift").abs() < 1e-9);
-        // Less than 30 N do not hold it there.
+        // A force of less than 30 N does not keep the block at the stop.
         run.set("load.force", 20.0);
         run.step(1e-3);
         assert!(run.get("slide.speed") < 0.0 && !run.is(&hard.replace("force", "reached")));
     }
 }
 
-/// Over the bumper and the dead centre to the lower rigid stop; and back.
+/// The crank overruns its bumper and the dead centre, reaches the lower rigid stop, and returns.
 #[test]
-fn a_crank_that_overruns_its_bumper_meets_the_stop_behind_the_dead_centre() {
+fn a_crank_that_overruns_its_bumper_reaches_the_stop_behind_the_dead_centre() {
     let stops = [bumper(Quantity::Slide, 1.0, 1.09, 300.0, 5.0), rigid(Quantity::Slide, -1.0, 0.7, 0.3)];
     let phases = vec![(5.0, false, 1.0, 7), (5.0, false, 1.0, 1), (-5.0, false, 1.0, 11), (-9.0, false, 2.0, 3)];
     let scene =
@@ -74,7 +75,8 @@ fn a_crank_that_overruns_its_bumper_meets_the_stop_behind_the_dead_centre() {
     assert_eq!(scene.compare().unwrap().0, 4);
 }
 
-/// At one place the rigid stop acts and the bumper is never compressed; each flag is true, each lock holds.
+/// With a rigid stop and a bumper at one position, the rigid stop acts and the bumper is never compressed. Each flag is
+/// true, and each lock holds.
 #[test]
 fn stops_at_one_place() {
     // At x = 0.9 the distance is hypot(0.7, 0.7).
@@ -113,7 +115,7 @@ fn stops_at_one_place() {
             assert_eq!(run.get("slide.position") == x, lock.is_some(), "{n} {lock:?}");
         }
     }
-    // Bumpers at one place push together.
+    // Several bumpers at one position act together.
     let two = [bumper(Quantity::Slide, 1.0, 0.5, 1000.0, 3.0), bumper(Quantity::Slide, 1.0, 0.5, 2000.0, 6.0)];
     let (mut pair, mut sum) = (block(&two).run(), block(&[bumper(Quantity::Slide, 1.0, 0.5, 3000.0, 9.0)]).run());
     for run in [&mut pair, &mut sum] {
@@ -124,8 +126,8 @@ fn stops_at_one_place() {
     assert!((a - b).abs() < 1e-9 && a > 0.4, "{a} {b}");
 }
 
-/// A start between two stops of opposite sides at one place: the block is at rest from the start on, whichever way the
-/// load pushes, and the stop in the way carries it.
+/// The start is between two opposite stops at one position: the block stays at rest from the start on under any load,
+/// and the stop in the direction of the load carries it.
 #[test]
 fn two_opposite_stops_hold_a_start_against_any_load() {
     let (lower, upper) = (rigid(Quantity::Slide, -1.0, 0.3, 0.5), rigid(Quantity::Slide, 1.0, 0.3, 0.5));
@@ -136,7 +138,7 @@ fn two_opposite_stops_hold_a_start_against_any_load() {
             run.set("load.force", force);
             run.initialize();
             let start = run.get("slide.position");
-            // The force turns round at each communication point.
+            // The force reverses at each communication point.
             for sign in [1.0, -1.0, -1.0, 1.0] {
                 let force = sign * force;
                 run.set("load.force", force);
@@ -152,7 +154,7 @@ fn two_opposite_stops_hold_a_start_against_any_load() {
     }
 }
 
-/// Places closer and closer to each other.
+/// A bumper and a rigid stop at smaller and smaller distances.
 #[test]
 fn a_gap_between_bumper_and_stop_may_be_any() {
     for decade in 1..16 {
@@ -170,7 +172,8 @@ fn a_gap_between_bumper_and_stop_may_be_any() {
     }
 }
 
-/// A lock at a bumper before a rigid stop catches the block on its way out, and on its way back if engaged beyond.
+/// A lock at a bumper before a rigid stop catches the block on its way out. If engaged beyond the bumper, it catches
+/// the block on its way back.
 #[test]
 fn a_lock_at_a_bumper_before_a_rigid_stop() {
     for damping in [0.0, 20.0] {
@@ -181,7 +184,7 @@ fn a_lock_at_a_bumper_before_a_rigid_stop() {
         run.set("load.force", 100.0);
         run.set("latch.engage", true);
         run.steps(7, 1.0);
-        // At the place, which is the stop's value but for one rounding.
+        // The position is the value of the stop except for one rounding.
         assert!((run.get("slide.position") - 0.5).abs() <= 0.5 * f64::EPSILON && run.get("slide.speed") == 0.0);
         assert!((run.get("latch.force") + 100.0).abs() < 1e-9);
         run.set("latch.engage", false);
@@ -196,7 +199,7 @@ fn a_lock_at_a_bumper_before_a_rigid_stop() {
     }
 }
 
-/// Bumpers on both sides, of which several push at once, before a rigid stop.
+/// Bumpers on both sides, of which several act at once, before a rigid stop.
 pub fn crowded() -> Scene {
     block(&[
         bumper(Quantity::Slide, 1.0, 0.3, 300.0, 2.0),
@@ -208,7 +211,7 @@ pub fn crowded() -> Scene {
 }
 
 #[test]
-fn too_many_bumpers_are_refused() {
+fn too_many_bumpers_are_rejected() {
     let at = |k: usize| 1.0 + 0.01 * k as f64;
     let mut stops: Vec<Stop> = (0..65).map(|k| bumper(Quantity::Slide, 1.0, at(k), 1e3, 1.0)).collect();
     let refusal = Simulation::open(&block(&stops).definition()).err().unwrap();

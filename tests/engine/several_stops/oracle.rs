@@ -1,20 +1,21 @@
-//! The independent integration of a block or a slider-crank with stops, in closed form but for Runge-Kutta's steps.
+//! The oracle: an independent integration of a block or a slider-crank with stops, by Runge-Kutta steps in closed-form
+//! equations.
 
 use crate::support::numeric::runge_kutta;
 
-/// What a stop limits.
+/// The quantity that a stop limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Quantity {
     /// Angle of the crank.
     Angle,
     /// Position of the slide.
     Slide,
-    /// Distance of the block or the crank's end from a post.
+    /// Distance of the block or of the crank's end from a post.
     Distance,
 }
 
-/// A block of a mass [kg] on a slide; or a slider-crank with an inertia [kg.m2] of its crank and a mass [kg] of its
-/// slider, whose rod has no mass.
+/// A block of a mass [kg] on a slide, or a slider-crank with an inertia [kg.m2] of the crank, a mass [kg] of the slider
+/// and a rod without mass.
 #[derive(Clone, Copy, Debug)]
 pub enum Machine {
     Block(f64),
@@ -38,7 +39,7 @@ pub struct Stop {
 }
 
 impl Machine {
-    /// Slider position of the crank with its first two derivatives along the angle.
+    /// Slider position with its first two derivatives with respect to the crank angle.
     pub fn slide(theta: f64) -> [f64; 3] {
         let (sin, cos) = theta.sin_cos();
         let root = (ROD * ROD - CRANK * CRANK * sin * sin).sqrt();
@@ -46,7 +47,7 @@ impl Machine {
         [CRANK * cos + root, -CRANK * sin - p / root, -CRANK * cos - p1 / root - p * p / root.powi(3)]
     }
 
-    /// A quantity and its derivative along the coordinate.
+    /// A quantity and its derivative with respect to the coordinate.
     pub fn quantity(self, quantity: Quantity, y: f64) -> [f64; 2] {
         match (self, quantity) {
             (Self::Crank(..), Quantity::Slide) => {
@@ -67,7 +68,8 @@ impl Machine {
         }
     }
 
-    /// Acceleration of the coordinate under a force of the ram or a torque of the servo and these generalised forces.
+    /// Acceleration of the coordinate under the force of the ram or the torque of the servo, and the generalised force
+    /// of the bumpers.
     pub fn acceleration(self, load: f64, pushes: f64, y: f64, v: f64) -> f64 {
         match self {
             Self::Block(mass) => (load + pushes) / mass,
@@ -79,7 +81,7 @@ impl Machine {
     }
 }
 
-/// What holds the machine at rest.
+/// The stop or lock that holds the machine at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
     Stop(usize),
@@ -95,23 +97,24 @@ pub struct Oracle {
     pub v: f64,
     pub touching: Vec<bool>,
     pub held: Option<Held>,
-    /// Stop whose lock is engaged, and whether the machine was beyond it when that happened.
+    /// Stop whose lock is engaged, and whether the machine was beyond the stop when the lock was engaged.
     pub lock: Option<(usize, bool)>,
-    /// Size of its steps [s].
+    /// Size of the integration steps [s].
     pub h: f64,
-    /// Part by which the speed is wrong at the start and after each event, for what a small error makes of a motion.
-    pub nudge: f64,
-    /// Whether it has turned so close to a rigid stop that rounding decides whether it met the stop.
+    /// Relative error of the speed at the start and after each event. It shows how much the motion amplifies small
+    /// errors.
+    pub perturbation: f64,
+    /// Whether the machine has reversed so close to a rigid stop that rounding decides whether it reached the stop.
     pub grazed: bool,
 }
 
-/// Depth at which a stop counts as met [m or rad]: rounding is less.
+/// Depth from which on a stop counts as reached [m or rad]. It is larger than the rounding.
 pub const DEPTH: f64 = 1e-12;
 /// Speed of an impact below which the machine rests.
 pub const SLOW: f64 = 1e-6;
 
 impl Oracle {
-    /// Distance beyond a stop, its rate, and the generalised force of a push of 1.
+    /// Depth beyond a stop, its rate, and the generalised force for a contact force of 1.
     pub fn beyond(&self, stop: &Stop, y: f64, v: f64) -> [f64; 3] {
         let [s, slope] = self.machine.quantity(stop.quantity, y);
         [stop.sign * (s - stop.value), stop.sign * slope * v, -stop.sign * slope]
@@ -131,12 +134,12 @@ impl Oracle {
         self.machine.acceleration(load, pushes.sum(), y, v)
     }
 
-    /// A step of Runge and Kutta.
+    /// One Runge-Kutta step.
     pub fn step(&self, load: f64, h: f64) -> [f64; 2] {
         runge_kutta(|_, [y, v]| [v, self.acceleration(load, y, v)], [self.y, self.v], h, 1)
     }
 
-    /// The bumpers push as they do in this state.
+    /// Update the bumpers that act in this state.
     pub fn press(&mut self) {
         for k in 0..self.stops.len() {
             let [beyond, push, _] = self.push(k, self.y, self.v);
@@ -144,7 +147,7 @@ impl Oracle {
         }
     }
 
-    /// The stop whose law changes before this state.
+    /// The stop whose law has changed in this state.
     pub fn event(&self, [y, v]: [f64; 2]) -> Option<usize> {
         (0..self.stops.len()).find(|&k| {
             let stop = &self.stops[k];
@@ -164,14 +167,14 @@ impl Oracle {
         })
     }
 
-    /// Whether the loads press the machine, at rest, against a rigid stop.
+    /// Whether the loads press the resting machine against a rigid stop.
     pub fn is_pressed(&self, k: usize, load: f64) -> bool {
         let a = self.acceleration(load, self.y, 0.0);
         self.beyond(&self.stops[k], self.y, a)[1] >= 0.0
     }
 
-    /// Whether a rigid stop that the machine came nearer to is very near at this coordinate.
-    pub fn came_near_a_rigid_stop(&self, y: f64) -> bool {
+    /// Whether a rigid stop that the machine approached is very near at this coordinate.
+    pub fn approached_a_rigid_stop(&self, y: f64) -> bool {
         let is_near = |stop: &Stop| {
             let [beyond, rate, _] = self.beyond(stop, y, self.v);
             stop.rigid.is_some() && rate > 0.0 && beyond.abs() < 1e-6
@@ -203,7 +206,7 @@ impl Oracle {
             let h = self.h.min(span - t);
             let end = self.step(load, h);
             if self.event(end).is_none() {
-                self.grazed |= self.v * end[1] <= 0.0 && self.came_near_a_rigid_stop(end[0]);
+                self.grazed |= self.v * end[1] <= 0.0 && self.approached_a_rigid_stop(end[0]);
                 ([self.y, self.v], t) = (end, t + h);
                 continue;
             }
@@ -219,9 +222,9 @@ impl Oracle {
         }
     }
 
-    /// A stop is met, or a bumper begins or ceases to push.
+    /// A stop is reached, or a bumper starts or stops to act.
     pub fn change(&mut self, k: usize, load: f64) {
-        self.v *= 1.0 + self.nudge;
+        self.v *= 1.0 + self.perturbation;
         let rate = self.beyond(&self.stops[k], self.y, self.v)[1];
         let caught = |(lock, was_beyond): (usize, bool)| {
             let beyond = self.beyond(&self.stops[k], self.y, self.v)[0];

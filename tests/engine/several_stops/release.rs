@@ -5,19 +5,19 @@ use super::scene::{Scene, block, rigid};
 use crate::support::{Run, changed};
 use serde_json::json;
 
-/// A four-bar linkage that a bumper and a rigid stop limit, found by random scenes.
+/// A four-bar linkage between a bumper and a rigid stop. Random scenes found this case.
 const FOUR_BAR: &str = include_str!("../../fixtures/four_bar_between_stops.json");
 
-/// 5 ms of release in one step of 0.52 s, and any other.
+/// Releases for a short time within a long step, such as 5 ms in 0.52 s, are found.
 #[test]
-fn a_release_is_met_however_short() {
+fn a_release_of_any_duration_is_located() {
     let stops = [rigid(Quantity::Slide, -1.0, 0.0, 0.0)];
     let scene = Scene { machine: Machine::Block(2.0), ..block(&stops) };
     for (peak, bend, center, span) in
         [(1e4, 1.6e9, 0.5078, 0.52), (1.0, 1e6, 0.01, 0.02), (1e-2, 1e7, 0.3, 1.0), (1e3, 1e8, 7.77, 10.0)]
     {
         let half = f64::sqrt(peak / bend);
-        // The speed of the way back to the stop is that of all steps shorter than the release.
+        // The speed at the end of the release agrees with that of steps shorter than the release.
         let mut ends = Vec::new();
         for cuts in [vec![center + half, span - center - half], vec![center - half, half, half, span - center - half]] {
             let mut run = scene.run();
@@ -41,7 +41,8 @@ fn a_release_is_met_however_short() {
     }
 }
 
-/// Within a step that goes from one revolution of a closed curve to the next, a crank comes to rest at a stop there.
+/// Within a step that extends over two revolutions of a closed curve, a crank comes to rest at a stop in the other
+/// revolution.
 #[test]
 fn rest_in_another_revolution_is_rest_at_the_stop() {
     let start = 1.0398903345316985;
@@ -52,7 +53,7 @@ fn rest_in_another_revolution_is_rest_at_the_stop() {
         let scene = Scene { machine, start: [start, 0.0], stops: vec![stop], lock: None, phases: vec![] };
         for parts in [1, 7] {
             let mut run = scene.run();
-            // The curve begins at the start, so the first step ends in the revolution before.
+            // The curve starts at the start position, so the first step ends in the previous revolution.
             run.set("load.torque", -10.515086458192942);
             run.step(0.02);
             run.set("load.torque", 76.0);
@@ -64,10 +65,10 @@ fn rest_in_another_revolution_is_rest_at_the_stop() {
     }
 }
 
-/// From rest at a stop under its weight, lifted by a drive with losses whose force changes its sign, or by a wind that
-/// turns: the instant of release in closed form, in one long step.
+/// From rest at a stop under its weight, a block is lifted by a drive with losses whose force changes its sign, or by a
+/// wind that changes its direction. The instant of release in closed form, in one long step.
 #[test]
-fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
+fn a_release_by_a_drive_with_losses_or_by_the_wind_is_located() {
     let (g, efficiency, area): (f64, f64, f64) = (9.81, 0.5, 0.3);
     let scene = Scene { machine: Machine::Block(1.0), ..block(&[rigid(Quantity::Slide, -1.0, 0.0, 0.0)]) };
     let definition = changed(scene.definition(), |json| {
@@ -76,7 +77,8 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
         json["air"] = json!({ "density": 1.2, "flow_angle": 0 });
         json["surfaces"] = json!({ "sail": { "at": "block.origin", "area": area, "drag_coefficient": 1 } });
     });
-    // By how much the input passes what lifts the block, how fast it bends, where it is largest, the whole step.
+    // Excess of the input over the value that lifts the block, curvature of the input, time of its maximum, length of
+    // the whole step.
     for (surplus, bend, center, span) in [(0.5, 1e3, 0.3, 1.0), (1e-3, 1e4, 4.321, 5.0), (1e-5, 300.0, 0.01, 2.0)] {
         let half = f64::sqrt(surplus / bend);
         let speed = f64::sqrt(g / (0.5 * 1.2 * area));
@@ -94,11 +96,11 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
                 run.get("slide.position").abs() < 1e-15 && run.get("slide.speed") == 0.0,
                 "{input} {surplus}: held"
             );
-            // From there on in one long step, and in short ones, to the middle of the release.
+            // One long step to the middle of the release.
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);
             run.step(center);
-            // The surplus of force: a parabola that grows from 0 to its peak over `half`.
+            // The excess force is a parabola that grows from 0 to its peak over `half`.
             let lift = if input == "airspeed" { 1.2 * area * speed * surplus } else { efficiency * surplus };
             let expected = lift * half * (2.0 / 3.0);
             let v = run.get("slide.speed");
@@ -106,7 +108,7 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
                 (v - expected).abs() < (0.2 * surplus + 1e-6) * expected + 1e-15,
                 "{input} {surplus}: {v} {expected}"
             );
-            // The whole step holds the block again at its end, after a flight.
+            // At the end of the whole step the block is at rest again, after a flight.
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);
             run.step(span);
@@ -116,8 +118,8 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_met() {
     }
 }
 
-/// A four-bar linkage goes back beyond the place from which its curve is counted, and comes to rest at a stop on the
-/// other side: its position is that of the stop to the bit, so that the flag is true and a lock that is engaged holds.
+/// A four-bar linkage moves back beyond the origin of its curve and comes to rest at a stop on the other side. Its
+/// position is exactly that of the stop, so that the flag is true and an engaged lock holds.
 #[test]
 fn rest_at_a_stop_is_at_the_stop_in_whatever_revolution_it_is_counted() {
     let mut run = Run::new(FOUR_BAR).started();

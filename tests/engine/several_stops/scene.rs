@@ -1,4 +1,4 @@
-//! Random scenes: their definition, and their run beside the independent integration.
+//! Random scenes: their definition, and the comparison of a run with the oracle.
 
 use super::oracle::{CRANK, Held, Machine, Oracle, POST, Quantity, ROD, Stop};
 use crate::support::Run;
@@ -6,15 +6,15 @@ use crate::support::definition::{self, With};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// A scene: a machine at a start, stops, and loads one after the other.
+/// A scene: a machine with its start, its stops, and a sequence of loads.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub machine: Machine,
     pub start: [f64; 2],
     pub stops: Vec<Stop>,
-    /// Stop with a lock.
+    /// Stop that has a lock.
     pub lock: Option<usize>,
-    /// Load, whether the lock is engaged, duration [s], communication steps.
+    /// Load, whether the lock is engaged, duration [s], number of communication steps.
     pub phases: Vec<(f64, bool, f64, u32)>,
 }
 
@@ -81,14 +81,25 @@ impl Scene {
         }
     }
 
-    pub fn oracle(&self, h: f64, nudge: f64) -> Oracle {
+    pub fn oracle(&self, h: f64, perturbation: f64) -> Oracle {
         let ([y, v], touching) = (self.start, vec![false; self.stops.len()]);
         let (machine, stops) = (self.machine, self.stops.clone());
-        Oracle { machine, stops, y, v: v * (1.0 + nudge), touching, held: None, lock: None, h, nudge, grazed: false }
+        Oracle {
+            machine,
+            stops,
+            y,
+            v: v * (1.0 + perturbation),
+            touching,
+            held: None,
+            lock: None,
+            h,
+            perturbation,
+            grazed: false,
+        }
     }
 
-    /// Go through the phases beside two oracles, whose difference tells how far one of them may err. Returns how many
-    /// phases could be compared, and the most stops that were reached at once.
+    /// Compare the run with two oracles. The difference of the oracles is a bound on their errors. Returns the number
+    /// of phases that could be compared, and the largest number of stops that were reached at once.
     pub fn compare(&self) -> Result<(u32, usize), TestCaseError> {
         let (mut run, mut one, mut other) = (self.run(), self.oracle(2e-5, 0.0), self.oracle(1.1e-5, 1e-10));
         let [position, speed, input] = self.names();
@@ -135,7 +146,7 @@ impl Scene {
     }
 }
 
-/// A stop at a distance from the start of its quantity.
+/// A stop at a distance from the start value of its quantity.
 pub fn stop() -> impl Strategy<Value = (u8, bool, f64, Option<f64>, f64, f64)> {
     let rigid = proptest::option::weighted(0.3, 0.0..=1.0f64);
     let damping = prop_oneof![Just(0.0), 0.1..60.0f64];
@@ -179,7 +190,7 @@ pub fn rigid(quantity: Quantity, sign: f64, value: f64, restitution: f64) -> Sto
     Stop { quantity, sign, value, rigid: Some(restitution), stiffness: 0.0, damping: 0.0 }
 }
 
-/// A block of 1 kg from rest at 0.
+/// A block of 1 kg that starts from rest at 0.
 pub fn block(stops: &[Stop]) -> Scene {
     Scene { machine: Machine::Block(1.0), start: [0.0; 2], stops: stops.to_vec(), lock: None, phases: Vec::new() }
 }

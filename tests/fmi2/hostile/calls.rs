@@ -1,4 +1,4 @@
-//! Every function with good, bad and absurd arguments, and the status of each call in each phase.
+//! Every function with valid, invalid and absurd arguments, and the status of each call in each phase.
 
 use super::standard::Phase;
 use crate::host::Gear;
@@ -7,7 +7,7 @@ use linkage_fmu::fmi2::*;
 use std::ffi::c_int;
 use std::ptr::{NonNull, null, null_mut};
 
-/// A component with the references of its variables.
+/// A component with the references of some of its variables.
 pub struct Target {
     pub c: Component,
     /// `actuator.force`, an input.
@@ -31,7 +31,7 @@ impl Target {
         }
     }
 
-    /// The same references with another component.
+    /// The same references for another component.
     pub fn with(&self, c: Component) -> Self {
         Target { c, ..*self }
     }
@@ -40,7 +40,7 @@ impl Target {
 /// One call.
 pub struct Call {
     pub function: &'static str,
-    /// Particularity of the arguments.
+    /// Description of the arguments.
     pub what: &'static str,
     /// Status in each phase: instantiated, initialization, step, failed, terminated. `O` is fmi2OK, `D` fmi2Discard,
     /// `E` fmi2Error.
@@ -49,7 +49,7 @@ pub struct Call {
 }
 
 impl Call {
-    /// Its status in a phase.
+    /// The expected status in a phase.
     pub fn expected(&self, phase: Phase) -> Status {
         match self.statuses.as_bytes()[phase as usize] {
             b'O' => Status::Ok,
@@ -59,12 +59,12 @@ impl Call {
     }
 }
 
-/// More elements than memory has.
+/// More elements than the memory can hold.
 const HUGE: usize = 1 << 61;
 const NAN: f64 = f64::NAN;
 const INFINITE: f64 = f64::INFINITY;
 
-/// A pointer to nowhere that is aligned: good for an empty array only.
+/// A pointer that is aligned but must not be dereferenced. It is valid for an empty array only.
 fn nowhere<T>() -> *mut T {
     NonNull::dangling().as_ptr()
 }
@@ -74,7 +74,7 @@ fn crooked(values: &[f64]) -> *mut f64 {
     values.as_ptr().wrapping_byte_add(1).cast_mut()
 }
 
-/// A state of the instance, NULL if it has none to give; never freed.
+/// A state of the instance, or NULL if it returns none. The state is never freed.
 fn saved(c: Component) -> FmuState {
     let mut state = null_mut();
     // SAFETY: the component is NULL, foreign or valid.
@@ -82,13 +82,13 @@ fn saved(c: Component) -> FmuState {
     state
 }
 
-/// Memory that is no state.
+/// Memory that is not a state.
 fn no_state() -> FmuState {
     static ZEROS: [u64; 16] = [0; 16];
     ZEROS.as_ptr().cast_mut().cast()
 }
 
-/// A state of the instance in bytes; one zero if it has none to give.
+/// A state of the instance as bytes, or one zero if it returns none.
 fn serialized(c: Component) -> Vec<Byte> {
     let (mut state, mut size) = (saved(c), 0);
     // SAFETY: the component is NULL, foreign or valid, and so is the state; the array has the size that is passed.
@@ -118,7 +118,7 @@ macro_rules! calls {
     };
 }
 
-/// Gets and sets of a type that none of the target's variables has, with a value of it.
+/// Get and set functions of a type that none of the target's variables has, with a value of the type.
 macro_rules! other_type {
     ($get:ident $set:ident $value:expr) => {
         calls! {
@@ -379,7 +379,7 @@ pub fn all() -> Vec<Call> {
     all
 }
 
-/// Text of the functions without an instance.
+/// Texts from the functions without an instance.
 pub fn text_functions() -> [fn() -> Text; 2] {
     [|| fmi2GetTypesPlatform(), || fmi2GetVersion()]
 }

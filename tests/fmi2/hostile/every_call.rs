@@ -1,4 +1,4 @@
-//! Every function in every phase: the status, the log line, and an unchanged instance after a refused call.
+//! Every function in every phase: the status, the log line, and an unchanged instance after a rejected call.
 
 use super::calls::{self, Call, Target};
 use super::standard::{ALWAYS, PHASES, Phase, TABLE, is_legal};
@@ -9,10 +9,10 @@ use std::collections::BTreeSet;
 use std::ptr::null_mut;
 
 const H: f64 = 1e-3;
-/// A force under which no step of the integration meets the tolerance.
+/// A force with which no step of the integration keeps the tolerance.
 const ABSURD: f64 = 1e300;
 
-/// An instance in a phase, the log emptied.
+/// An instance in a phase, with an empty log.
 fn in_phase(phase: Phase) -> Gear {
     let gear = Gear::new();
     if phase != Phase::Instantiated {
@@ -35,7 +35,7 @@ fn in_phase(phase: Phase) -> Gear {
 }
 
 /// All variables at the end of the remaining phases, and again after a reset.
-fn rest_of_life(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
+fn remaining_phases(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
     [phase, Phase::Instantiated].map(|phase| {
         if phase == Phase::Instantiated {
             assert_eq!(gear.reset(), Status::Ok);
@@ -52,7 +52,7 @@ fn rest_of_life(gear: &Gear, phase: Phase) -> [Vec<(Status, u64)>; 2] {
     })
 }
 
-/// Parts of the message of a call that is refused for its arguments.
+/// Parts of the message of a call that is rejected for its arguments.
 fn names(call: &Call, gear: &Gear) -> Vec<String> {
     match call.what {
         "unknown" if call.function.ends_with("tReal") => vec![gear.count().to_string(), " to ".into()],
@@ -64,20 +64,20 @@ fn names(call: &Call, gear: &Gear) -> Vec<String> {
     }
 }
 
-/// Part of the message of a call in a wrong phase, for functions that are legal in another one.
+/// Part of the message of a call in a wrong phase, for functions that are legal in another phase.
 fn phase_of(call: &Call, phase: Phase) -> Vec<String> {
     let word = ["instantiated", "initialization mode", "step mode", "step failed", "terminated"][phase as usize];
     if call.statuses.contains('O') { vec![word.into()] } else { Vec::new() }
 }
 
-/// Call, and check status and log against the standard.
+/// Make the call, and check its status and the log against the standard.
 fn check(call: &Call, phase: Phase, gear: &Gear) -> Status {
     let name = format!("{} ({}) in {phase:?}", call.function, call.what);
     let status = (call.run)(&Target::of(gear));
     assert_eq!(status, call.expected(phase), "{name}: {:?}", gear.log.take());
     let messages = gear.log.take();
     if status == Status::Ok {
-        // Events and warnings only.
+        // The log may contain events and warnings only.
         assert!(messages.iter().all(|m| m.status < Status::Discard as i32), "{name}: {messages:?}");
         return status;
     }
@@ -101,9 +101,9 @@ fn every_function_is_called() {
     assert_eq!(calls::text_functions().map(|f| f().is_null()), [false; 2]);
 }
 
-/// The rows of the calls do not contradict the standard's table.
+/// The table of the calls does not contradict the standard's table.
 #[test]
-fn nothing_is_expected_to_work_out_of_its_phase() {
+fn no_call_is_expected_to_succeed_outside_its_phase() {
     for call in calls::all() {
         for phase in PHASES {
             let fine = call.expected(phase) == Status::Error || is_legal(call.function, phase);
@@ -113,7 +113,7 @@ fn nothing_is_expected_to_work_out_of_its_phase() {
 }
 
 #[test]
-fn a_refused_call_has_its_status_and_a_line_and_changes_nothing() {
+fn a_rejected_call_has_its_status_and_a_message_and_changes_nothing() {
     for phase in PHASES {
         let gear = in_phase(phase);
         let before = gear.all_bits();
@@ -121,12 +121,12 @@ fn a_refused_call_has_its_status_and_a_line_and_changes_nothing() {
             check(call, phase, &gear);
             assert_eq!(gear.all_bits(), before, "{} ({}) in {phase:?}", call.function, call.what);
         }
-        assert_eq!(rest_of_life(&gear, phase), rest_of_life(&in_phase(phase), phase), "{phase:?}");
+        assert_eq!(remaining_phases(&gear, phase), remaining_phases(&in_phase(phase), phase), "{phase:?}");
     }
 }
 
 #[test]
-fn an_accepted_call_has_its_status_and_no_complaint() {
+fn an_accepted_call_has_its_status_and_no_error_message() {
     for phase in PHASES {
         for call in calls::all().iter().filter(|call| call.expected(phase) == Status::Ok) {
             check(call, phase, &in_phase(phase));
@@ -142,7 +142,7 @@ fn reading_and_logging_change_nothing() {
         for call in calls::all().iter().filter(harmless) {
             (call.run)(&Target::of(&gear));
         }
-        assert_eq!(rest_of_life(&gear, phase), rest_of_life(&in_phase(phase), phase), "{phase:?}");
+        assert_eq!(remaining_phases(&gear, phase), remaining_phases(&in_phase(phase), phase), "{phase:?}");
     }
 }
 
@@ -155,7 +155,7 @@ fn without_an_instance_every_call_is_an_error() {
         for call in calls::all() {
             assert_eq!((call.run)(&target), Status::Error, "{} ({})", call.function, call.what);
         }
-        // SAFETY: NULL, or a word that is none of an instance's.
+        // SAFETY: NULL, or an address that belongs to no instance.
         unsafe { fmi2FreeInstance(c) };
     }
     assert!(gear.log.take().iter().all(|message| message.category == "logEvents"));

@@ -1,6 +1,6 @@
-//! Hosts that do everything wrong: every function in every phase with absurd arguments, random sequences of calls,
-//! unusable resources, many threads. Each refused call gives the standard's status and one line in the log, and leaves
-//! the instance unchanged.
+//! Hosts with all kinds of faults: every function in every phase with absurd arguments, random sequences of calls,
+//! unusable resources, many threads. Each rejected call returns the standard's status, writes one line into the log,
+//! and leaves the instance unchanged.
 
 mod calls;
 mod every_call;

@@ -26,17 +26,17 @@ pub enum Op {
     ReadAngle,
     ReadSome,
     Step(f64),
-    /// A step of this size from a point that is off by this many steps.
+    /// A step of this size from a communication point that is wrong by this number of steps.
     StepFromElsewhere(f64, f64),
     Logging(Logging),
-    /// Save a state: a new one, or over the last.
+    /// Save a state, either a new one or over the last one.
     Save,
-    /// Go on from the saved state, if there is one.
+    /// Continue from the saved state, if there is one.
     Restore,
-    /// Put the saved state through its serialised form.
+    /// Serialize and deserialize the saved state.
     Serialize,
     Free,
-    /// One of the calls of `calls` that are refused in this phase, or harmless.
+    /// One of the calls of `calls` that are rejected in this phase, or have no effect.
     Other(usize),
 }
 
@@ -53,10 +53,10 @@ impl Logging {
     pub const ALL: [Self; 5] = [Self::AllOn, Self::AllOff, Self::DebugOff, Self::ErrorsOnly, Self::DiscardsOff];
 }
 
-/// Calls of a sequence.
+/// Largest number of calls of a sequence.
 pub const LONGEST: usize = 80;
 
-/// Larger forces than this make a step fail.
+/// With larger forces a step fails.
 const ABSURD: f64 = 1e100;
 
 /// The part of an instance that a saved state restores.
@@ -81,7 +81,7 @@ pub struct Player {
     saved: Option<Past>,
     logs_errors: bool,
     logs_discards: bool,
-    /// Variables that a refused call must not change; cheap to read in every phase.
+    /// Variables that a rejected call must not change. They can be read fast in every phase.
     watched: Vec<u32>,
 }
 
@@ -105,38 +105,38 @@ impl Player {
         let names =
             ["actuator.force", "crank.start_angle", "crank.length", "crank.angle", "crank.speed", "energy.drift"];
         let watched = names.map(|name| gear.vr(name)).to_vec();
-        // Calls with states have their own kinds, which free what they save.
+        // Calls with states have separate kinds, which free the states that they save.
         let own = |function: &str| function == "fmi2DoStep" || function.contains("FMUstate");
         let others = calls::all().into_iter().filter(|call| !own(call.function)).collect();
         let (now, state, saved) = (Past::FRESH, null_mut(), None);
         Player { gear, target, others, now, state, saved, logs_errors: true, logs_discards: true, watched }
     }
 
-    /// Number of calls that [`Op::Other`] can name.
+    /// Number of calls that [`Op::Other`] can select.
     pub fn others(&self) -> usize {
         self.others.len()
     }
 
-    /// As after `new`.
+    /// Return to the state after `new`.
     pub fn renew(&mut self) {
         self.play(&Op::Reset);
         self.play(&Op::Free);
         self.play(&Op::Logging(Logging::AllOn));
     }
 
-    /// Bits of the watched variables, 0 where one cannot be read.
+    /// Bits of the watched variables, 0 for a variable that cannot be read.
     fn watch(&self) -> Vec<u64> {
         let bits = self.watched.iter().map(|reference| self.gear.bits(*reference).1).collect();
         self.gear.log.take();
         bits
     }
 
-    /// Make the call and hold the answer against the model, the log and, if it was refused, the watched values. Returns
-    /// whether it was accepted.
+    /// Make the call and compare the answer with the model, the log and, if it was rejected, the watched values.
+    /// Returns whether it was accepted.
     pub fn play(&mut self, op: &Op) -> bool {
         let Some(expected) = self.expected(op) else { return false };
         let refused = expected != Status::Ok;
-        // A step that cannot be computed changes the phase, and nothing else.
+        // A step that cannot be computed changes only the phase.
         let before = refused.then(|| self.watch());
         let phase = self.now.phase;
         let status = self.call(op);
@@ -160,7 +160,7 @@ impl Player {
         !refused
     }
 
-    /// Status by the standard; None where rounding decides.
+    /// Status according to the standard. None if rounding decides.
     fn expected(&self, op: &Op) -> Option<Status> {
         let ok_if = |fine: bool| Some(if fine { Status::Ok } else { Status::Error });
         let legal = |function: &str| is_legal(function, self.now.phase);
@@ -206,7 +206,7 @@ impl Player {
         }
     }
 
-    /// Whether a step is accepted, but cannot be computed.
+    /// Whether a step is accepted but cannot be computed.
     fn fails(&self, op: &Op) -> bool {
         let in_time = |h: f64| self.now.stop.is_none_or(|stop| self.now.time + h < stop);
         matches!(op, Op::Step(h) if *h > 0.0 && h.is_finite() && in_time(*h))
@@ -214,8 +214,7 @@ impl Player {
             && self.is_absurd()
     }
 
-    /// Whether the force is beyond reason, and no stop holds against it: the gear rests at its up stop or at its down
-    /// stop.
+    /// Whether the force is absurd and no stop balances it. The gear rests at its up stop or at its down stop.
     fn is_absurd(&self) -> bool {
         if self.now.force.abs() <= ABSURD {
             return false;
@@ -286,7 +285,7 @@ impl Player {
         }
     }
 
-    /// The model's side of an accepted call.
+    /// Update the model after an accepted call.
     fn accepted(&mut self, op: &Op) {
         match op {
             Op::Setup(_, start, length) => {
@@ -308,7 +307,7 @@ impl Player {
                 self.now.force += h * (first + 0.5 * h * second);
             }
             Op::Logging(logging) => match logging {
-                // Failures are no debug messages.
+                // Failures are not debug messages.
                 Logging::AllOn | Logging::DebugOff => (self.logs_errors, self.logs_discards) = (true, true),
                 Logging::AllOff => (self.logs_errors, self.logs_discards) = (false, false),
                 Logging::ErrorsOnly => (self.logs_errors, self.logs_discards) = (true, false),
@@ -328,7 +327,7 @@ fn force() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Order and value of a derivative of the force; order 3 is refused.
+/// Order and value of a derivative of the force. The order 3 is rejected.
 fn rate() -> impl Strategy<Value = (c_int, f64)> {
     let value = prop_oneof![8 => -1e7..1e7, 1 => Just(0.0), 1 => odd()];
     (prop_oneof![6 => Just(1), 4 => Just(2), 1 => Just(3), 1 => Just(0)], value)
@@ -338,7 +337,7 @@ fn odd() -> impl Strategy<Value = f64> {
     prop::sample::select(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 0.0, -0.0, -1e-3, -f64::MIN_POSITIVE][..])
 }
 
-/// A random call; `others`: the number of calls that [`Op::Other`] can name.
+/// A random call. `others` is the number of calls that [`Op::Other`] can select.
 pub fn op(others: usize) -> impl Strategy<Value = Op> {
     let tolerance = prop_oneof![2 => Just(None), 2 => (1e-12..1e-6).prop_map(Some), 1 => odd().prop_map(Some)];
     let start = prop_oneof![2 => Just(0.0), 2 => -10.0..10.0, 1 => Just(f64::NAN)];

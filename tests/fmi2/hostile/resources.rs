@@ -1,14 +1,14 @@
-//! Resource folders and mechanisms that are none.
+//! Unusable resource folders and mechanisms.
 
 use crate::host::{Arguments, Folder, RESOURCES, c, mechanism};
 use std::fs::{self, File};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Longest time that a refusal may take.
+/// Longest time that an error may take.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The refusal of a location, one line, in time.
+/// The message for a location: one line, in time.
 fn refusal(location: &str) -> String {
     let start = Instant::now();
     let message = Arguments::at(location).refused().unwrap_or_else(|| panic!("accepted: {location}"));
@@ -86,7 +86,7 @@ fn a_file_that_may_not_be_read() {
     if File::open(&file).is_err() {
         assert!(refusal(folder.location()).contains("ermission"));
     }
-    // Memory at the address 0, which nobody can read.
+    // Memory at the address 0, which no process can read.
     let unreadable = Path::new("/proc/self/mem");
     if unreadable.exists() {
         fs::remove_file(&file).unwrap();
@@ -96,17 +96,17 @@ fn a_file_that_may_not_be_read() {
 }
 
 #[test]
-fn a_huge_file_is_refused_by_its_size() {
+fn a_huge_file_is_rejected_because_of_its_size() {
     let folder = Folder::new("huge");
     let location = folder.location();
     let file = folder.0.join("mechanism.json");
-    // A sparse file takes no space on the disk.
+    // A sparse file needs no space on the disk.
     File::create(&file).unwrap().set_len(100_000_000).unwrap();
     let message = refusal(location);
     for expected in ["mechanism.json'", "100000000 bytes", "16777216"] {
         assert!(message.contains(expected), "{message}");
     }
-    // Up to the limit it is read: blanks are no fault.
+    // A file up to the limit is read. Additional blanks are allowed.
     let mut text = mechanism();
     text.extend(std::iter::repeat_n(' ', (16 << 20) - text.len()));
     fs::write(&file, &text).unwrap();

@@ -1,5 +1,5 @@
-//! Random sequences of calls. Each status is that of the model, and the instance ends like a twin that got only the
-//! accepted calls.
+//! Random sequences of calls. Each status agrees with the model, and the final instance equals a twin that received
+//! only the accepted calls.
 
 use super::play::{LONGEST, Op, Player, op};
 use proptest::prelude::*;
@@ -9,8 +9,8 @@ use std::cell::RefCell;
 const SEQUENCES: u32 = 3000;
 
 #[test]
-fn random_sequences_are_answered_as_the_standard_says() {
-    // Two instances for all sequences: after each, both are reset, which must leave no trace.
+fn random_sequences_have_the_statuses_of_the_standard() {
+    // Two instances for all sequences. Both are reset after each sequence, which must leave no trace.
     let pair = RefCell::new((Player::new(), Player::new()));
     let others = pair.borrow().0.others();
     let config = Config { cases: SEQUENCES, failure_persistence: None, ..Config::default() };
@@ -19,7 +19,7 @@ fn random_sequences_are_answered_as_the_standard_says() {
         player.renew();
         twin.renew();
         for op in &ops {
-            // The twin gets the accepted calls, and a failed step, which changes the phase.
+            // The twin receives the accepted calls, and a failed step, because it changes the phase.
             if player.play(op) || player.has_failed() != twin.has_failed() {
                 twin.play(op);
             }
@@ -30,7 +30,7 @@ fn random_sequences_are_answered_as_the_standard_says() {
     result.unwrap_or_else(|error| panic!("{error}"));
 }
 
-/// A step that cannot be computed leaves every output as it was under the same inputs.
+/// A step that cannot be computed leaves every output unchanged.
 #[test]
 fn a_failed_step_leaves_the_energy_balance() {
     let mut player = Player::new();

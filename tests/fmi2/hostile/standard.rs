@@ -1,6 +1,6 @@
 //! Legal phases of each function: the table of FMI 2.0.5, 4.2.4, written independently of `src/fmi2`.
 
-/// Phases of the standard's state machine that an FMU without asynchronous steps can be in.
+/// Phases of the standard's state machine for an FMU without asynchronous steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
     /// "instantiated".
@@ -18,11 +18,13 @@ pub enum Phase {
 pub const PHASES: [Phase; 5] =
     [Phase::Instantiated, Phase::Initialization, Phase::Step, Phase::Failed, Phase::Terminated];
 
-/// Functions that take an instance, with the phases of [`PHASES`] in which they may be called: `x` by the standard, `+`
-/// beyond it, `.` never. The standard's footnotes about single variables are in the calls themselves.
+/// Functions that take an instance, with the phases of [`PHASES`] in which they may be called: `x` according to the
+/// standard, `+` in addition to it, `.` never. The calls themselves contain the standard's footnotes about single
+/// variables.
 ///
-/// Beyond the standard, as hosts do it: inputs and parameters are read while instantiated, a failed instance may be
-/// terminated and asked for its status; a function that is never served is refused for that reason in every phase.
+/// In addition to the standard, as hosts need it: inputs and parameters can be read while instantiated, and a failed
+/// instance can be terminated and asked for its status. A function that the FMU does not support returns an error in
+/// every phase.
 pub const TABLE: &[(&str, &str)] = &[
     ("fmi2SetDebugLogging", "xxxxx"),
     ("fmi2SetupExperiment", "x...."),
@@ -54,7 +56,7 @@ pub const TABLE: &[(&str, &str)] = &[
     ("fmi2GetIntegerStatus", "..x+x"),
     ("fmi2GetBooleanStatus", "..x+x"),
     ("fmi2GetStringStatus", "..x+x"),
-    // Model exchange: never, by an instance that is for co-simulation.
+    // Functions of model exchange: an instance for co-simulation rejects them.
     ("fmi2EnterEventMode", "....."),
     ("fmi2NewDiscreteStates", "....."),
     ("fmi2EnterContinuousTimeMode", "....."),
@@ -67,7 +69,7 @@ pub const TABLE: &[(&str, &str)] = &[
     ("fmi2GetNominalsOfContinuousStates", "....."),
 ];
 
-/// Functions without an instance, and the end of one: legal always.
+/// Functions without an instance, and `fmi2FreeInstance`: always legal.
 pub const ALWAYS: [&str; 4] = ["fmi2GetTypesPlatform", "fmi2GetVersion", "fmi2Instantiate", "fmi2FreeInstance"];
 
 /// Whether a function may be called in a phase.

@@ -1,19 +1,19 @@
-//! Many instances in many threads: each gives the bits that it gives alone.
+//! Many instances in many threads: each instance gives the same bits as a single instance.
 
 use crate::host::Gear;
 use linkage_fmu::fmi2::types::Status;
 
-/// Kinds of runs, which differ in their inputs.
+/// Number of kinds of runs, which differ in their inputs.
 const KINDS: usize = 8;
-/// Threads, each with one instance of every kind.
+/// Number of threads, each with one instance of every kind.
 const THREADS: usize = 8;
 const STEPS: i32 = 130;
 const H: f64 = 1e-3;
-/// Compared outputs: motion and energy of every kind; of the first kind also reactions, which take a table each.
+/// Compared outputs: motion and energy of every kind. The first kind also has reactions, which need separate tables.
 const COMPARED: [&str; 7] =
     ["crank.angle", "crank.speed", "actuator.length", "energy.drift", "joint2.force", "joint3.force_x", "wheel.y"];
 
-/// Bits of the compared variables after a run of one instance of each kind, step by step in turns.
+/// Bits of the compared variables after a run with one instance of each kind, whose steps alternate.
 fn run(kinds: &[usize]) -> Vec<Vec<u64>> {
     let gears: Vec<_> = kinds.iter().map(|kind| (*kind, Gear::stepping(0.0, None))).collect();
     for n in 0..STEPS {

@@ -1,4 +1,4 @@
-//! A linkage in plain data, from which a definition is written, or which is read from one with nothing of the engine.
+//! The plain data of a linkage: written to a definition, or read from one without code of the engine.
 use crate::support::{Vec2, turned};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ pub struct Body {
     pub position: Vec2,
     pub angle: f64,
     pub mass: Mass,
-    /// Distance from `origin` to `end` [m], where points of these names are used.
+    /// Distance from `origin` to `end` [m], if these points are used.
     pub length: Option<f64>,
     /// Named points in the body's frame [m].
     pub points: Vec<(String, Vec2)>,
@@ -33,7 +33,7 @@ pub struct Body {
 pub struct Rider {
     pub to: Attachment,
     pub angle: f64,
-    /// In its own frame.
+    /// In the frame of this body.
     pub mass: Mass,
 }
 
@@ -48,8 +48,8 @@ pub struct Attachment {
 #[derive(Clone, Copy)]
 pub enum Freedom {
     Revolute,
-    /// Sliding along this direction in the first body's frame [rad], the second body turned by `angle` [rad],
-    /// `position` [m] at the start.
+    /// Sliding along this direction in the frame of the first body [rad]. The second body is turned by `angle` [rad].
+    /// The start position is `position` [m].
     Prismatic {
         axis: f64,
         angle: f64,
@@ -65,7 +65,7 @@ pub struct Joint {
     pub second: Attachment,
 }
 
-/// Sizes of the loads and where they act; constant.
+/// Constant sizes of the loads, and their points of action.
 #[derive(Clone, Default)]
 pub struct Loads {
     /// Forces that push two points apart [N].
@@ -101,7 +101,7 @@ impl Linkage {
         self.bodies[at.body].points[at.point].1
     }
 
-    /// Whether a body can rotate: no chain of prismatic joints holds it to the ground.
+    /// Whether a body can rotate: no chain of prismatic joints connects it with the ground.
     pub fn rotates(&self, body: usize) -> bool {
         let mut held = vec![false; self.bodies.len()];
         held[GROUND] = true;
@@ -154,7 +154,7 @@ impl Linkage {
         format!("{}.{}", body.name, body.points[at.point].0)
     }
 
-    /// The definition; every number is written so that it is read back exactly.
+    /// The definition. Every number is written so that it can be read back exactly.
     pub fn json(&self) -> String {
         let mut bodies = Map::new();
         for (i, b) in self.bodies.iter().enumerate() {
@@ -223,14 +223,14 @@ fn add_mass(body: &mut Value, mass: Mass) {
     body["inertia"] = json!(mass.inertia);
 }
 
-/// The text that reproduces it.
+/// The text with which the case can be reproduced.
 impl fmt::Debug for Linkage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.json())
     }
 }
 
-/// Where the frame of a body is: the body that carries it, place and angle in that one's frame.
+/// Frame of a body: index of the body that carries it, and position and angle in the frame of the carrier.
 type Frame = (usize, Vec2, f64);
 
 fn number(of: &Value, key: &str, default: f64) -> f64 {
@@ -242,7 +242,7 @@ fn vector(of: &Value) -> Vec2 {
     Vec2::new(x, y)
 }
 
-/// Mass of a body; its points with `origin` and `end`.
+/// Mass of a body, and its points including `origin` and `end`.
 fn mass_and_points(body: &Value) -> (Mass, Vec<(String, Vec2)>) {
     let (mass, length) = (number(body, "mass", 0.0), number(body, "length", 0.0));
     let center = body.get("center").map_or(Vec2::zeros(), vector);
@@ -279,7 +279,7 @@ impl Linkage {
             let (name, position) = (name.clone(), Vec2::zeros());
             linkage.bodies.push(Body { name, position, angle: 0.0, mass, length: None, points });
         }
-        // Riders may be fixed to riders: outward from the bodies.
+        // Riders may be fixed to riders. They are read from the bodies outward.
         while let Some((name, body)) = group("bodies").find(|(name, body)| {
             let to = body.get("fixed_to").and_then(|to| to.as_str().unwrap().split('.').next());
             !frames.contains_key(name.as_str()) && to.is_some_and(|to| frames.contains_key(to))
@@ -324,7 +324,7 @@ impl Linkage {
         found.unwrap_or_else(|| panic!("no point {name}"))
     }
 
-    /// A body, or the one that carries a rider, by its name.
+    /// The body of this name, or the body that carries the rider of this name.
     pub fn body(&self, name: &str) -> usize {
         self.point(&format!("{name}.origin")).body
     }

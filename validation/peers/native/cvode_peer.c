@@ -1,5 +1,5 @@
-/* SUNDIALS' CVODE on the hand-written equation of motion: Adams' method with fixed-point iterations, and backward
-   differences with Newton's, whose Jacobian CVODE takes by differences. */
+/* SUNDIALS' CVODE on the hand-written equation of motion: the Adams method with fixed-point iterations, and BDF with
+   Newton's iterations, whose Jacobian CVODE computes by differences. */
 #include "measure.h"
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -27,7 +27,7 @@ static void start(N_Vector y)
     N_VGetArrayPointer(y)[1] = START[1];
 }
 
-/* End the program if CVODE refuses a setting. */
+/* End the program if CVODE rejects a setting. */
 static void must(int flag, const char *what)
 {
     if (flag < 0) {

@@ -4,7 +4,7 @@
 #include <gsl/gsl_odeiv2.h>
 #include <gsl/gsl_version.h>
 
-/* First step that is tried [s]. */
+/* Initial step [s]. */
 #define FIRST 1e-3
 
 static int right_hand_side(double t, const double y[], double rate[], void *unused)

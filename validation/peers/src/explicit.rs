@@ -30,7 +30,7 @@ impl Solout<f64, State> for Last<'_> {
     }
 }
 
-/// Run methods over the sweep of tolerances.
+/// Points of several methods over the sweep of tolerances.
 macro_rules! sweep {
     ($points:ident, $($method:ident),*) => {$(
         for [rtol, atol] in tolerances(28) {

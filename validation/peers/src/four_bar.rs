@@ -15,16 +15,16 @@ const FOLLOWER: f64 = 0.34;
 const CRANK_MASS: f64 = 13.689;
 const COUPLER_MASS: f64 = 0.720_370_56;
 const FOLLOWER_MASS: f64 = 3.850_704;
-/// The leg, a uniform rod from the crank's pivot, with the wheel, a point mass, at its end: length [m], angle from the
-/// crank [rad], masses [kg].
+/// The leg, a uniform rod from the crank's pivot, and the wheel, a point mass at the end of the leg: length [m], angle
+/// from the crank [rad], masses [kg].
 const LEG: f64 = 0.759;
 const LEG_ANGLE: f64 = -2.4;
 const LEG_MASS: f64 = 36.8;
 const WHEEL_MASS: f64 = 19.5;
-/// Load factor times acceleration of gravity [m/s2], and the angle of "up" from Y [rad].
+/// Load factor times acceleration of gravity [m/s2], and the angle of the upward direction from Y [rad].
 const GRAVITY: f64 = 3.0 * 9.81;
 const UP_ANGLE: f64 = 1.13;
-/// The actuator's force, pushing [N], and its ends in the crank's and the follower's frame [m].
+/// The actuator's force, positive in extension [N], and its attachments in the crank's and the follower's frame [m].
 const FORCE: f64 = 30e3;
 const ON_CRANK: Vector = [-0.050, -0.138];
 const ON_FOLLOWER: Vector = [0.020, 0.120];
@@ -33,7 +33,7 @@ const ON_FOLLOWER: Vector = [0.020, 0.120];
 pub const START: Vector = [0.8, 0.0];
 /// End of the run [s].
 pub const SPAN: f64 = 0.13;
-/// theta2 at the end [rad], from a 34-digit energy quadrature, and its rate there [rad/s].
+/// theta2 at the end [rad], from an energy quadrature with 34 digits, and its rate there [rad/s].
 pub const THETA2: f64 = -1.237_711_726_689_136_7;
 pub const OMEGA: f64 = -30.118_354_649_349_844;
 
@@ -41,7 +41,7 @@ pub const OMEGA: f64 = -30.118_354_649_349_844;
 struct Pose {
     cos: f64,
     sin: f64,
-    /// Crank, coupler and follower from joint to joint, C to the left of the diagonal from B to D [m].
+    /// Crank, coupler and follower from joint to joint, with C to the left of the diagonal from B to D [m].
     e2: Vector,
     e3: Vector,
     e4: Vector,
@@ -56,7 +56,7 @@ struct Pose {
     inertia: f64,
 }
 
-/// The equation of motion with all that does not change worked out.
+/// The equation of motion with its constants evaluated once.
 pub struct FourBar {
     /// Inertia of crank, leg and wheel about the crank's pivot, and of the coupler's point B [kg m2].
     fixed_inertia: f64,
@@ -64,9 +64,9 @@ pub struct FourBar {
     follower_inertia: f64,
     /// Gravity [m/s2].
     gravity: Vector,
-    /// Virtual work of gravity on all that turns with the crank, for each of cos and sin of theta2 [N m].
+    /// Virtual work of gravity on all bodies that turn with the crank: coefficients of cos and sin of theta2 [N m].
     crank_work: Vector,
-    /// The actuator's end on the follower, along and across it, for each metre of its length [1].
+    /// The actuator's attachment on the follower, along and across it, relative to the follower's length [1].
     on_follower: Vector,
 }
 
@@ -78,12 +78,12 @@ fn cross(a: Vector, b: Vector) -> f64 {
     a[0] * b[1] - a[1] * b[0]
 }
 
-/// `along` times a vector plus `across` times the same, turned by a right angle.
+/// `along` times a vector plus `across` times the vector rotated by a right angle.
 fn turned(v: Vector, along: f64, across: f64) -> Vector {
     [along * v[0] - across * v[1], along * v[1] + across * v[0]]
 }
 
-/// Crank angle at which coupler and follower are in line and the crank turns back [rad].
+/// Crank angle at which coupler and follower are in line and the crank reverses [rad].
 pub fn toggle() -> f64 {
     const REACH: f64 = COUPLER + FOLLOWER;
     -((GROUND * GROUND + CRANK * CRANK - REACH * REACH) / (2.0 * GROUND * CRANK)).acos()
@@ -96,7 +96,7 @@ impl FourBar {
         let gravity = [-GRAVITY * chi.sin(), -GRAVITY * chi.cos()];
         let rod = (CRANK_MASS / 2.0 + COUPLER_MASS) * CRANK;
         let leg = (LEG_MASS / 2.0 + WHEEL_MASS) * LEG;
-        // Moment of the masses for theta2 = 0; dy/d(theta) = x turned, so that the work is moment x gravity.
+        // Moment of the masses at theta2 = 0. dy/d(theta) is x rotated, so that the virtual work is moment x gravity.
         let moment = [rod + leg * LEG_ANGLE.cos(), leg * LEG_ANGLE.sin()];
         Self {
             fixed_inertia: (CRANK_MASS / 3.0 + COUPLER_MASS) * CRANK * CRANK
@@ -129,7 +129,8 @@ impl FourBar {
         Pose { cos, sin, e2, e3, e4, c34, c23, d23, k3, k4, inertia }
     }
 
-    /// The actuator's end on the crank, that on the follower from D, and the way from the first to the second [m].
+    /// The actuator's attachment on the crank, that on the follower from D, and the vector from the first to the second
+    /// [m].
     #[inline(always)]
     fn actuator(&self, pose: &Pose) -> (Vector, Vector, Vector) {
         let p = turned([pose.cos, pose.sin], ON_CRANK[0], ON_CRANK[1]);
@@ -137,7 +138,7 @@ impl FourBar {
         (p, q, [GROUND + q[0] - p[0], q[1] - p[1]])
     }
 
-    /// theta2'' and its derivative by omega, for the crank angle and its rate omega.
+    /// theta2'' and its derivative with respect to omega, for the crank angle and its rate omega.
     #[inline]
     pub fn acceleration(&self, theta2: f64, omega: f64) -> (f64, f64) {
         let pose = self.pose(theta2);
@@ -159,7 +160,7 @@ impl FourBar {
         ((push + weight - half_slope * omega * omega) * per_inertia, -2.0 * half_slope * omega * per_inertia)
     }
 
-    /// Work of the actuator and of gravity up to this crank angle, but for a constant [J]; and the reduced inertia.
+    /// Work of actuator and gravity up to this crank angle, up to a constant [J], and the reduced inertia.
     #[inline]
     pub fn work_and_inertia(&self, theta2: f64) -> (f64, f64) {
         let pose = self.pose(theta2);

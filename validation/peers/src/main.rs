@@ -1,5 +1,7 @@
-//! Scene S1 with this project, by hand and with other Rust solvers, and Andrews' squeezer with this project: run time
-//! against error, one line a setting.
+//! Run time over error, one line per setting: scene S1 with this project, by hand and with other Rust solvers, and
+//! Andrews' squeezer with this project.
+//!
+//! usage: peers modelDescription OUT.csv
 //!
 //! usage: peers modelDescription OUT.csv
 mod explicit;
@@ -14,7 +16,8 @@ use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
 
-/// Everything is measured as often, and the fastest counts: a processor's slow spell then falls on no setting alone.
+/// Rounds of all measurements; the fastest counts, so that a slow period of the processor does not affect one setting
+/// alone.
 const ROUNDS: u32 = 3;
 
 fn main() -> ExitCode {

@@ -1,20 +1,20 @@
-//! One point of a curve: the error, what it cost, and how it is written down.
+//! One point of a curve: error, run time, evaluations, and its line in the file.
 use crate::four_bar::THETA2;
 use std::fmt::Debug;
 use std::time::{Duration, Instant};
 
-/// What one setting of one method gives.
+/// Result of one setting of one method.
 pub struct Point {
     pub scene: &'static str,
     pub tool: &'static str,
     pub method: String,
     pub setting: String,
-    /// Of theta2 at the end [rad].
+    /// Error of theta2 at the end [rad].
     pub error: f64,
-    /// The fastest run, and what comes once before the first [s].
+    /// The fastest run, and the set-up before the first run [s].
     pub run: f64,
     pub set_up: f64,
-    /// Of the right-hand side, where the tool tells.
+    /// Evaluations of the right-hand side, if the tool counts them.
     pub evaluations: Option<usize>,
 }
 
@@ -22,7 +22,7 @@ pub struct Point {
 pub const HEADER: &str = "scene,tool,method,setting,error_rad,run_s,setup_s,evaluations\n";
 
 impl Point {
-    /// Take the times of the same setting, measured again, where they are less.
+    /// Keep the lesser of both times, from another measurement of the same setting.
     pub fn keep_faster(&mut self, again: &Self) {
         if (self.scene, self.tool, &self.method, &self.setting)
             == (again.scene, again.tool, &again.method, &again.setting)
@@ -32,7 +32,7 @@ impl Point {
         }
     }
 
-    /// Its line in the file.
+    /// The line of the point in the file.
     pub fn line(&self) -> String {
         let Self { scene, tool, method, setting, error, run, set_up, .. } = self;
         let evaluations = self.evaluations.map_or(String::new(), |n| n.to_string());
@@ -40,7 +40,7 @@ impl Point {
     }
 }
 
-/// A point of scene S1: a run gives theta2 at the end and its evaluations. One that fails is told and left out.
+/// A point of scene S1. A run returns theta2 at the end and its evaluations; a failed run is printed and omitted.
 pub fn point<E: Debug>(
     tool: &'static str,
     method: &str,
@@ -60,7 +60,7 @@ pub fn point<E: Debug>(
     }
 }
 
-/// Relative and absolute tolerances from 1e-2 on, down to 10^(-last/2).
+/// Relative and absolute tolerances from 1e-2 to 10^(-last/2).
 pub fn tolerances(last: i32) -> impl Iterator<Item = [f64; 2]> {
     (4..=last).flat_map(|half| {
         let rtol = 10f64.powf(-f64::from(half) / 2.0);
@@ -68,7 +68,7 @@ pub fn tolerances(last: i32) -> impl Iterator<Item = [f64; 2]> {
     })
 }
 
-/// Result and time [s] of the fastest of many runs: for 50 ms and at least five, or until one takes that long itself.
+/// Result and time [s] of the fastest of at least five runs. Runs repeat for 50 ms, or until one takes that long.
 pub fn fastest<T, E>(mut run: impl FnMut() -> Result<T, E>) -> Result<(T, f64), E> {
     const LONG: Duration = Duration::from_millis(50);
     const LEAST: usize = 5;

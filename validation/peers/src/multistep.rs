@@ -9,7 +9,7 @@ use std::time::Instant;
 
 type Lu = NalgebraLU<f64>;
 
-/// From the start to the end of the span; theta2 there.
+/// theta2 at the end of the span.
 fn march<'a, E, S>(mut solver: S) -> Result<f64, DiffsolError>
 where
     E: OdeEquations<T = f64, V = NalgebraVec<f64>> + 'a,
@@ -20,7 +20,7 @@ where
     Ok(solver.state().y[0])
 }
 
-/// Run methods over the sweep of tolerances, down to 10^(-last/2).
+/// Points of several methods over the sweep of tolerances, down to 10^(-last/2).
 macro_rules! sweep {
     ($points:ident, $($method:ident $(<$lu:ty>)? to $last:literal),*) => {$(
         for [rtol, atol] in tolerances($last) {
@@ -54,7 +54,7 @@ macro_rules! sweep {
     )*};
 }
 
-/// Derivative of theta2'' by theta2, by a central difference: good enough for Newton's method.
+/// Derivative of theta2'' with respect to theta2 by a central difference, accurate enough for Newton's method.
 fn stiffness(gear: &FourBar, y: &[f64]) -> f64 {
     const H: f64 = 1e-6;
     (gear.acceleration(y[0] + H, y[1]).0 - gear.acceleration(y[0] - H, y[1]).0) / (2.0 * H)

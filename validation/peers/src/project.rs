@@ -1,4 +1,4 @@
-//! This project: the packed mechanism in the engine, natively.
+//! This project: the packed mechanism in the engine, without an FMU.
 use crate::measure::{Point, fastest};
 use linkage_fmu::mechanism::{Model, ModelError};
 use std::time::Instant;
@@ -6,12 +6,12 @@ use std::time::Instant;
 const TOOL: &str = "linkage-fmu";
 const JOINTS: [&str; 4] = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
 
-/// A curve of this project's: how the model is set, and what is done with it.
+/// A curve of this project: settings of the model, steps and outputs.
 struct Curve {
     method: &'static str,
-    /// Booleans that are false; without such a variable the curve is left out.
+    /// Booleans set to false; the curve is omitted if the model has no such variable.
     off: &'static [&'static str],
-    /// Steps of equal length, and what is read after each of them.
+    /// Number of equal steps, and the outputs read after each of them.
     steps: u32,
     read: &'static [&'static str],
 }
@@ -23,7 +23,7 @@ const CURVES: [Curve; 4] = [
     Curve { method: "tables; 1 ms steps with joint forces", off: &[], steps: 130, read: &JOINTS },
 ];
 
-/// A mechanism's run: its file's text, the end, the output that is compared there, and its exact value.
+/// A scene of a mechanism: text of the definition, end time, compared output, and its exact value at the end.
 pub struct Scene {
     pub name: &'static str,
     pub text: String,
@@ -68,12 +68,12 @@ impl Curve {
         Ok(points)
     }
 
-    /// A run is the return to the start, the steps, and the reading of the angle.
+    /// A run restores the initial state, makes the steps, and reads the angle.
     fn point(&self, scene: &Scene, mut model: Model, setting: String, began: Instant) -> Result<Point, ModelError> {
         let angle = model.variables().find(scene.output).unwrap_or_default();
         let read: Vec<_> = self.read.iter().map(|name| model.variables().find(name).unwrap_or_default()).collect();
         model.initialize()?;
-        // Reading a force builds its table, once.
+        // The first reading of a force builds its table.
         for &reference in &read {
             model.real(reference)?;
         }
@@ -104,9 +104,8 @@ impl Curve {
     }
 }
 
-/// The cost of the first reaction beside that of the run: the table that is built when a joint's force is first read.
-/// Each time is the least over models made anew, those of the run and of later readings also over further runs; the
-/// forces are read where the run ends.
+/// Time of the first reading of a joint's force, which builds a table, compared with the run time. Each time is the
+/// least over several new models; run and later readings are also repeated. The forces are read at the end of the run.
 pub fn first_reaction(scene: &Scene) -> Result<Vec<Point>, ModelError> {
     const MODELS: u32 = 40;
     const AGAIN: u32 = 50;
@@ -168,8 +167,8 @@ fn seconds<T>(work: impl FnOnce() -> Result<T, ModelError>) -> Result<f64, Model
     Ok(began.elapsed().as_secs_f64())
 }
 
-/// The second formulation: Newmark's method over rigid-link finite elements, whose own limit differs by the rods'
-/// stretch.
+/// The second formulation: Newmark's method over rigid-link finite elements. Its limit differs by the stretch of the
+/// rods.
 fn rigid_fem(scene: &Scene) -> Result<Vec<Point>, ModelError> {
     let curve = Curve { method: "rigid_fem (Newmark)", off: &[], steps: 1, read: &[] };
     let mut points = Vec::new();

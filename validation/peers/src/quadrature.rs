@@ -1,10 +1,9 @@
-//! No solver, but what one could do at best: the time to an angle as an integral, from the energy alone.
+//! Not a solver but a lower limit: the time to an angle as an integral, from the energy alone.
 //!
-//! From rest and without friction 1/2 I(theta) omega^2 is the work W done since the start, and
-//! t = integral of d(theta) / omega. With theta = theta(s), even in s, the integrand is smooth and even where the
-//! motion starts; so half the nodes of Gauss's rule over [-S, S] give the integral over [0, S]. It answers the easier
-//! question: when is the angle reached, not where is the crank at a time. It serves motions without friction, drag and
-//! switches.
+//! From rest and without friction 1/2 I(theta) omega^2 is the work W done since the start, and t = integral of d(theta)
+//! / omega. With theta = theta(s), even in s, the integrand is smooth and even at the start of the motion; so half the
+//! nodes of Gauss's rule over [-S, S] give the integral over [0, S]. This solves a simpler problem: the time at which
+//! an angle is reached, not the angle at a time. It applies to motions without friction, drag and switches.
 use crate::four_bar::{self, FourBar, OMEGA, SPAN, START, THETA2};
 use crate::measure::{Point, fastest};
 use std::convert::Infallible;
@@ -22,7 +21,7 @@ enum Substitution {
 }
 
 impl Substitution {
-    /// s where the angle is `theta`.
+    /// Value of s at the angle `theta`.
     fn end(self, theta: f64) -> f64 {
         match self {
             Self::Start => (START[0] - theta).sqrt(),
@@ -30,7 +29,7 @@ impl Substitution {
         }
     }
 
-    /// The angle and the size of its derivative by s.
+    /// The angle and the magnitude of its derivative with respect to s.
     #[inline(always)]
     fn at(self, s: f64) -> (f64, f64) {
         match self {
@@ -65,7 +64,7 @@ fn gauss(n: u32) -> Vec<(f64, f64)> {
         .collect()
 }
 
-/// The time at which the crank comes to `theta` [s].
+/// Time at which the crank reaches the angle `theta` [s].
 fn time(gear: &FourBar, rule: &[(f64, f64)], substitution: Substitution, theta: f64) -> f64 {
     let (end, work) = (substitution.end(theta), gear.work_and_inertia(START[0]).0);
     let sum = |sum: f64, &(x, weight): &(f64, f64)| {
@@ -76,7 +75,7 @@ fn time(gear: &FourBar, rule: &[(f64, f64)], substitution: Substitution, theta: 
     end * rule.iter().fold(0.0, sum)
 }
 
-/// Both curves: evaluations, with the one at the start, against the error of the time, as an angle.
+/// Both curves: evaluations, including that at the start, against the error of the time converted to an angle.
 pub fn points() -> Vec<Point> {
     let toggle = four_bar::toggle();
     let (middle, half) = (0.5 * (START[0] + toggle), 0.5 * (START[0] - toggle));

@@ -1,16 +1,16 @@
-//! The classical Runge-Kutta method, written by hand for this one equation of motion: equal steps, nothing estimated,
-//! nothing allocated. What an engineer would write who has derived the equation.
+//! The classical Runge-Kutta method, written by hand for this equation of motion: equal steps, no error estimate, no
+//! allocation. This is what an engineer would write after deriving the equation.
 use crate::four_bar::{FourBar, SPAN, START};
 use crate::measure::{Point, point};
 use std::convert::Infallible;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Numbers of steps: about a quarter more from one to the next.
+/// Numbers of steps, each about a quarter more than the one before.
 const STEPS: [u32; 10] = [10, 13, 16, 20, 25, 32, 40, 50, 63, 80];
-/// Powers of ten that they are multiplied by.
+/// Powers of ten by which they are multiplied.
 const DECADES: [u32; 3] = [1, 10, 100];
-/// Before these.
+/// Smaller numbers of steps, used first.
 const FEW: [u32; 4] = [4, 5, 6, 8];
 
 /// theta2 at the end of the span.

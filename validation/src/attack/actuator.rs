@@ -1,17 +1,17 @@
-//! Random hydraulic actuators and landing gears with a circuit, with any of what a definition may have.
+//! Random hydraulic actuators and landing gears with a circuit, with any of the features of a definition.
 //!
-//! In: random numbers. Out: the text of a definition, and the middle and size of what its inputs are set to. It must
-//! not know what is asked of the model.
+//! In: random numbers. Out: the text of a definition, and the middle and size of the values of its inputs. Must not
+//! know what the test checks.
 use super::mechanism::{self, Definition};
 use super::random::Random;
 use serde_json::{Value, json};
 
 const ACTUATOR: &str = include_str!("../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
 const CIRCUIT: &str = example!("LandingGearRetractionHydraulic");
-/// Most levels of a definition.
+/// Greatest nesting depth of a definition.
 const DEPTH: usize = 6;
 
-/// Multiply each number below a value by a random factor, one in three.
+/// Multiply each number below a value by a random factor, with a probability of one in three.
 pub fn scale(random: &mut Random, value: &mut Value, factor: f64, depth: usize) {
     match value {
         Value::Object(members) if depth > 0 => {
@@ -25,7 +25,7 @@ pub fn scale(random: &mut Random, value: &mut Value, factor: f64, depth: usize) 
     }
 }
 
-/// A circuit with random numbers and options; it may be refused.
+/// A circuit with random numbers and options; the definition may be rejected.
 fn circuit(random: &mut Random, circuit: &mut Value) {
     let cylinder = circuit["cylinder"].clone();
     let factor = random.pick(&[1.0, 1.5, 3.0, 30.0]);
@@ -71,7 +71,7 @@ fn circuit(random: &mut Random, circuit: &mut Value) {
     }
 }
 
-/// A random definition of an actuator; it may be refused.
+/// A random definition of an actuator; it may be rejected.
 pub fn definition(random: &mut Random) -> Definition {
     let mut json: Value = serde_json::from_str(ACTUATOR).unwrap_or_default();
     circuit(random, &mut json["circuit"]);
@@ -103,7 +103,7 @@ pub fn definition(random: &mut Random) -> Definition {
     Definition { file: "hydraulics.json", text: json.to_string(), force, torque: 0.0, h }
 }
 
-/// A random landing gear that a circuit drives; it may be refused.
+/// A random landing gear driven by a circuit; the definition may be rejected.
 pub fn gear(random: &mut Random) -> Definition {
     let (mut json, force, torque, _) = mechanism::gear(random);
     let own: Value = serde_json::from_str(CIRCUIT).unwrap_or_default();
@@ -126,7 +126,7 @@ pub fn gear(random: &mut Random) -> Definition {
     Definition { file: "mechanism.json", text: json.to_string(), force: 0.2 * force, torque: 0.2 * torque, h }
 }
 
-/// Middle and size of the values of an input of a circuit, or of an actuator; none if it has no such input.
+/// Middle and size of the values of an input of a circuit or of an actuator; None if it has no such input.
 pub fn size(definition: &Definition, name: &str) -> Option<[f64; 2]> {
     let own = definition.file == "hydraulics.json";
     Some(match name {

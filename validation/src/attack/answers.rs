@@ -1,4 +1,4 @@
-//! What a random call of a C function may be answered with, and what a host does within a step.
+//! Allowed results of a random call of a C function, and the calls of a host within a step.
 use super::probe::Probe;
 use super::random::Random;
 use crate::host::{DISCARD, ERROR, Model, OK, WARNING};
@@ -8,19 +8,19 @@ use linkage_fmu::variables::Kind;
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 
-/// What may be answered.
+/// Allowed results of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum May {
-    /// OK, or a warning with a line.
+    /// OK, or a warning with a message.
     Succeed,
     /// An error.
     BeRefused,
-    /// Either, and discarded: values decide.
+    /// Success, an error, or fmi2Discard, depending on the values.
     Either,
 }
 
 impl May {
-    /// Whether a status and the messages that came with it are an answer that may be given; refusals are counted.
+    /// Whether status and messages of a call are an allowed result; counts the errors.
     pub fn allows(self, status: i32, log: &[Message], probe: &mut Probe) -> bool {
         match (self, status) {
             (May::Succeed | May::Either, OK) => true,
@@ -33,7 +33,7 @@ impl May {
         }
     }
 
-    /// This if a condition holds; else the call is refused.
+    /// This result if a condition holds; else an error.
     pub fn when(self, condition: bool) -> Self {
         if condition { self } else { Self::BeRefused }
     }
@@ -44,7 +44,7 @@ pub fn odd(random: &mut Random) -> f64 {
     random.pick(&[f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -0.0, 0.0, 1e300, -1e300, 5e-324])
 }
 
-/// Another value for a variable that has this one.
+/// A value different from this one.
 pub fn changed(value: f64, random: &mut Random) -> f64 {
     match random.below(12) {
         0 => odd(random),
@@ -53,10 +53,10 @@ pub fn changed(value: f64, random: &mut Random) -> f64 {
     }
 }
 
-/// Where values that do not exist, or another fault of a callback, are noted.
+/// Where undefined values and other faults in a callback are noted.
 pub type Fault = Rc<RefCell<Option<String>>>;
 
-/// What is wrong with values that are told without a warning.
+/// The fault if values are undefined without a warning.
 pub fn silent(status: i32, values: &[f64]) -> Option<String> {
     let is_silent = status == OK && values.iter().any(|value| !value.is_finite());
     is_silent.then(|| format!("values that do not exist without a warning: {values:?}"))
@@ -67,7 +67,7 @@ pub fn count(model: &Model) -> usize {
     model.description.interface().list().len() + 1 + model.vectors
 }
 
-/// Number of values of a Float64 variable; none of what is no Float64.
+/// Number of values of a Float64 variable; None for other types.
 pub fn size(model: &Model, reference: u32) -> Option<usize> {
     let list = model.description.interface().list();
     match list.get(reference as usize) {
@@ -77,14 +77,14 @@ pub fn size(model: &Model, reference: u32) -> Option<usize> {
     }
 }
 
-/// What a host does in an intermediate update: it reads a variable now and then, makes calls that are refused there,
-/// and asks for the end of the step at times.
+/// The calls of a host in an intermediate update: it sometimes reads a variable, makes calls that are illegal there,
+/// and sometimes requests the end of the step.
 pub fn update(model: &'static Model, random: Random, fault: Fault) -> Box<Update> {
-    let (random, told) = (RefCell::new(random), Cell::new(0_usize));
+    let (random, updates) = (RefCell::new(random), Cell::new(0_usize));
     Box::new(move |calls: &Calls, time| {
         let mut random = random.borrow_mut();
-        told.set(told.get() + 1);
-        if told.get() % 8 != 1 {
+        updates.set(updates.get() + 1);
+        if updates.get() % 8 != 1 {
             return None;
         }
         let reference = random.below(count(model)) as u32;

@@ -1,9 +1,9 @@
-//! Random calls of the C functions, of FMI 2.0 and FMI 3.0, of co-simulation and model exchange: each status is one
-//! that the phase allows, a refusal has one line and changes no Real, a value that does not exist is told, and the
-//! instance goes on.
+//! Random calls of the C functions of FMI 2.0 and FMI 3.0, for co-simulation and model exchange. Each status is one
+//! that the phase allows; an error has one message and changes no Real; an undefined value is reported; the instance
+//! stays usable.
 //!
-//! In: models, random numbers. Out: the first answer that is none. What may be answered follows from the phases of the
-//! standards alone.
+//! In: models, random numbers. Out: the first result that is not allowed. The allowed results follow from the phases of
+//! the standards alone.
 use super::answers::May::{BeRefused, Either, Succeed};
 use super::answers::odd;
 use super::player::Phase::{Continuous, Ended, Event, Initialization, Step};
@@ -16,10 +16,10 @@ use linkage_fmu::fmi3::host::SPOILED;
 
 /// Calls of a case.
 const CALLS: usize = 400;
-/// What no message may say of a quantity of the hydraulic models, whose hosts hand over none without a unit.
+/// Texts that no message about a quantity of the hydraulic models may contain, as all of them have a unit.
 const UNITS: [&str; 6] = ["NaN Pa", "NaN N", "NaN kg", "NaN J", "NaN m", "NaN rad"];
 
-/// A kind of call: how often it is made of an FMU of FMI 2.0, of FMI 3.0, and by model exchange.
+/// A kind of call: its frequency with FMI 2.0, with FMI 3.0, and in model exchange.
 type Row = ([u32; 3], fn(&mut Player, &mut Random) -> Answer);
 
 const ROWS: [Row; 27] = [
@@ -110,7 +110,7 @@ impl Player {
         RESET(self, random)
     }
 
-    /// One call, judged.
+    /// Make one call and check its result.
     fn judged(&mut self, column: usize, probe: &mut Probe, random: &mut Random, n: usize) -> Result<(), String> {
         let watched = random.chance(0.03).then(|| (self.now.phase, self.bits()));
         let (name, may, status) = probe.timed("call", || self.call(column, random));
@@ -122,8 +122,8 @@ impl Player {
             Host::Two(_) => column == 0 && UNITS.iter().any(|unit| text.contains(unit)),
             Host::Three(_) => text.contains("fmi2") || text.contains(" Real"),
         };
-        let told = log.iter().find(|message| words(&message.text)).map(|message| format!("words: {message:?}"));
-        let fault = self.fault.take().or(told);
+        let wording = log.iter().find(|message| words(&message.text)).map(|message| format!("words: {message:?}"));
+        let fault = self.fault.take().or(wording);
         let fault = if !may.allows(status, &log, probe) {
             Some(format!("status {status}, may {may:?}: {log:?}"))
         } else if fault.is_none() && status > WARNING && may == BeRefused {
@@ -134,7 +134,7 @@ impl Player {
         fault.map_or(Ok(()), |fault| Err(format!("call {n}, {name} in {:?}: {fault}", self.now)))
     }
 
-    /// What has changed although the call was refused.
+    /// What has changed although the call returned an error.
     fn changed(&self, (phase, before): &(Phase, Vec<(i32, [u64; 2])>)) -> Option<String> {
         let after = self.bits();
         let other = before.iter().zip(&after).position(|(before, after)| before != after);
@@ -143,7 +143,7 @@ impl Player {
         value.or_else(|| (now != *phase).then(|| format!("refused, and phase {now:?} was {phase:?}")))
     }
 
-    /// A whole case.
+    /// Execute a whole case.
     fn play(mut self, column: usize, probe: &mut Probe, random: &mut Random) -> Result<(), String> {
         let result = (0..CALLS).try_for_each(|n| {
             probe.count(match self.host {
@@ -157,11 +157,11 @@ impl Player {
     }
 }
 
-/// A part's case: one instance of FMI 2.0 of a hydraulic model.
+/// The case of this part: one instance of FMI 2.0 of a hydraulic model.
 ///
 /// # Errors
-/// An answer that the phase does not allow, a refusal without a line, or one that changes a Real; a value that does not
-/// exist, told without a warning.
+/// A result that the phase does not allow, an error without a message, one that changes a Real, or an undefined value
+/// without a warning.
 pub fn second(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let name = random.pick(&["HydraulicActuator", "LandingGearRetractionHydraulic", "HydraulicSystem"]);
@@ -169,7 +169,7 @@ pub fn second(probe: &mut Probe) -> Result<(), String> {
     player.play(0, probe, &mut random)
 }
 
-/// A part's case: one instance of FMI 3.0, with event mode, early return and intermediate updates or without.
+/// The case of this part: one instance of FMI 3.0, with or without event mode, early return and intermediate updates.
 pub fn third(probe: &mut Probe) -> Result<(), String> {
     const MODELS: [&str; 7] = [
         "LandingGearRetraction",
@@ -195,8 +195,8 @@ pub fn third(probe: &mut Probe) -> Result<(), String> {
     }
 }
 
-/// A part's case: one instance for model exchange, of either version: models with stops, locks, friction, closed and
-/// open curves.
+/// The case of this part: one instance for model exchange, of either version: models with stops, locks, friction,
+/// closed and open curves.
 pub fn exchange(probe: &mut Probe) -> Result<(), String> {
     const MODELS: [&str; 7] =
         ["LandingGearRetraction", "FourBar", "SliderCrank", "CraneJib", "Jib", "StickSlip", "Tailgate"];

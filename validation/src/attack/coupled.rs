@@ -1,5 +1,5 @@
 //! Twins of a coupling: a landing gear and an actuator with random options exchange motion and force in steps; one of
-//! both pairs is besides read, saved and restored between any two calls of the exchange.
+//! the two pairs is also read, saved and restored between any two calls of the exchange.
 use super::histories::{difference, outputs, written};
 use super::mechanism::{Definition, Prepared};
 use super::probe::Probe;
@@ -11,25 +11,25 @@ use linkage_fmu::variables::{Causality, Reference};
 use serde_json::Value;
 
 const GEAR: &str = example!("LandingGearRetraction");
-/// Most steps of a coupling.
+/// Greatest number of steps of a coupling.
 const STEPS: usize = 24;
-/// What the actuator foresees.
-const FORESEEN: [&str; 5] =
+/// Outputs of the actuator's preview.
+const PREVIEW: [&str; 5] =
     ["preview.force", "preview.force_rate", "preview.force_mean", "preview.start_acceleration", "preview.acceleration"];
-/// Share of the couplings with a network instead of an actuator alone.
+/// Share of the couplings that have a network instead of a single actuator.
 const NETWORKS: f64 = 0.4;
 
 /// How force and motion are exchanged.
 #[derive(Clone, Copy, Debug)]
 enum Exchange {
-    /// The mean force, or the line; the actuator keeps its motion.
+    /// The mean force or the line; the actuator keeps its predicted motion.
     Held,
     Line,
-    /// The gear first, then the actuator by the gear's motion.
+    /// The gear steps first, then the actuator with the gear's motion.
     TwoPasses,
-    /// The force told in the step before.
+    /// The force of the step before.
     Late,
-    /// Force and motion as they are.
+    /// Present force and motion.
     Plain,
 }
 
@@ -39,13 +39,13 @@ struct Pair {
     actuator: Component,
 }
 
-/// Both sides at their start, with references.
+/// Both sides at their start, with value references.
 struct Start {
     gear: Prepared,
     actuator: Prepared,
-    /// What the gear tells and the actuator takes: length, speed, and so on.
-    told: Vec<[Reference; 2]>,
-    foreseen: [Reference; FORESEEN.len()],
+    /// Pairs of an output of the gear and an input of the actuator: length, speed, and so on.
+    inputs: Vec<[Reference; 2]>,
+    preview: [Reference; PREVIEW.len()],
     force: [Reference; 2],
     horizon: Reference,
 }
@@ -64,20 +64,20 @@ impl Start {
         let find = |of: &Prepared, name: &str| of.start.interface().find(name).ok_or(format!("no variable {name}"));
         let inputs = (0..).zip(actuator.start.interface().list()).filter(|(_, v)| v.causality == Causality::Input);
         let inputs = inputs.filter(|(_, v)| v.name.starts_with(ACTUATOR));
-        let told = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
-        let mut foreseen = [0; FORESEEN.len()];
-        for (reference, name) in foreseen.iter_mut().zip(FORESEEN) {
+        let inputs = inputs.map(|(to, v)| Ok([find(&gear, &v.name)?, to])).collect::<Result<_, String>>()?;
+        let mut preview = [0; PREVIEW.len()];
+        for (reference, name) in preview.iter_mut().zip(PREVIEW) {
             let own = if is_network { format!("{ACTUATOR}{name}") } else { name.to_owned() };
             *reference = find(&actuator, &own)?;
         }
         let force = [find(&gear, "actuator.force")?, find(&actuator, "actuator.force")?];
         let horizon = find(&actuator, "preview.horizon")?;
-        Ok(Self { gear, actuator, told, foreseen, force, horizon })
+        Ok(Self { gear, actuator, inputs, preview, force, horizon })
     }
 }
 
-/// What a twin does besides, between two calls.
-fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
+/// Additional calls of one twin between two calls of the exchange.
+fn call_further(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), String> {
     for (component, prepared) in [(&mut pair.gear, &start.gear), (&mut pair.actuator, &start.actuator)] {
         if random.chance(0.2) {
             outputs(component, prepared)?;
@@ -99,7 +99,7 @@ fn meddle(pair: &mut Pair, start: &Start, random: &mut Random) -> Result<(), Str
     Ok(())
 }
 
-/// One step of a coupling; `between` acts between its calls. Tells how both sides stepped.
+/// One step of a coupling; `between` acts between its calls. Returns how both sides stepped.
 fn exchange(
     pair: &mut Pair,
     start: &Start,
@@ -112,16 +112,16 @@ fn exchange(
     let reals = |component: &mut Component, names: &[Reference]| -> Result<Vec<f64>, String> {
         names.iter().map(|&name| component.real(name).map_err(words)).collect()
     };
-    let of_gear: Vec<Reference> = start.told.iter().map(|[gear, _]| *gear).collect();
-    let told = reals(&mut pair.gear, &of_gear)?;
+    let of_gear: Vec<Reference> = start.inputs.iter().map(|[gear, _]| *gear).collect();
+    let inputs = reals(&mut pair.gear, &of_gear)?;
     between(pair)?;
-    for (&[_, to], &value) in start.told.iter().zip(&told) {
-        // Near a toggle of the drive the gear tells no finite mass; then the old one stays in both twins.
+    for (&[_, to], &value) in start.inputs.iter().zip(&inputs) {
+        // Near a toggle of the drive the gear has no finite mass; both twins then keep the previous one.
         let _ = pair.actuator.set_real(to, value);
     }
     pair.actuator.set_real(start.horizon, h).map_err(words)?;
     between(pair)?;
-    let [line, rate, mean, from, to] = reals(&mut pair.actuator, &start.foreseen)?[..] else {
+    let [line, rate, mean, from, to] = reals(&mut pair.actuator, &start.preview)?[..] else {
         return Err("five values are foreseen".into());
     };
     let plain = pair.actuator.real(start.force[1]).map_err(words)?;
@@ -141,21 +141,21 @@ fn exchange(
     between(pair)?;
     if matches!(exchange, Exchange::TwoPasses) {
         let end = reals(&mut pair.gear, &of_gear)?;
-        let speed = (end[1] - told[1] - from * h) / (h * h);
+        let speed = (end[1] - inputs[1] - from * h) / (h * h);
         let slope = (to - from) / h;
         let rates = [from, 2.0 * (3.0 * speed - slope), 6.0 * (slope - 2.0 * speed) / h];
         for (order, rate) in (1..).zip(rates) {
-            let _ = pair.actuator.set_input_derivative(start.told[1][1], order, rate);
+            let _ = pair.actuator.set_input_derivative(start.inputs[1][1], order, rate);
         }
     }
     between(pair)?;
     let actuator = pair.actuator.step(h);
     between(pair)?;
-    *late = Some(pair.actuator.real(start.foreseen[2]).map_err(words)?).filter(|mean| mean.is_finite());
+    *late = Some(pair.actuator.real(start.preview[2]).map_err(words)?).filter(|mean| mean.is_finite());
     Ok([gear, actuator])
 }
 
-/// A part's case: one coupling.
+/// The case of this part: one coupling.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let start = probe.timed("instantiation", || Start::new(&mut random))?;
@@ -178,8 +178,9 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
             }
         }
         let stepped = probe.timed("step of a pair", || exchange(&mut one, &start, kind, &mut late, h, |_| Ok(())))?;
-        let again = exchange(&mut twin, &start, kind, &mut late_twin, h, |pair| meddle(pair, &start, &mut random))
-            .map_err(|e| format!("step {n}, {kind:?}: {e}"))?;
+        let again =
+            exchange(&mut twin, &start, kind, &mut late_twin, h, |pair| call_further(pair, &start, &mut random))
+                .map_err(|e| format!("step {n}, {kind:?}: {e}"))?;
         probe.count("steps of pairs");
         if probe.verbose {
             println!("step {n} of {h:e} s, {kind:?}: {stepped:?}");

@@ -1,5 +1,5 @@
-//! Hostile definitions: numbers to extremes, keys dropped, doubled or exchanged, long names, deep nesting, bytes. Each
-//! is refused in words, or is a model that starts and steps.
+//! Malformed definitions: extreme numbers, keys dropped, duplicated or exchanged, long names, deep nesting, bytes. Each
+//! is rejected with a message, or is a model that starts and steps.
 use super::histories::outputs;
 use super::mechanism::{self, Definition, Prepared};
 use super::probe::Probe;
@@ -8,7 +8,7 @@ use super::{actuator, network};
 use linkage_fmu::component::{Component, Stepped};
 use serde_json::Value;
 
-/// Definitions beside the random ones.
+/// Given definitions, used next to the random ones.
 const GIVEN: [&str; 7] = [
     example!("LandingGearRetraction"),
     example!("SliderCrank"),
@@ -19,12 +19,12 @@ const GIVEN: [&str; 7] = [
     example!("LandingGearRetractionHydraulic"),
 ];
 
-/// Steps of a model that a hostile definition gives.
+/// Steps of a model from a malformed definition.
 const STEPS: usize = 3;
-/// Stands in a text where a piece of text shall be that JSON cannot hold.
+/// Placeholder in a text for a piece of text that JSON cannot represent.
 const PLACE: &str = "\"@@place@@\"";
 
-/// A part's case: one definition.
+/// The case of this part: one definition.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let (file, text) = match random.below(9) {
@@ -34,13 +34,13 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         7 => ("network.json", network::definition(&mut random).text),
         _ => ("mechanism.json", actuator::gear(&mut random).text),
     };
-    let text = spoiled(&mut random, &text);
+    let text = malformed(&mut random, &text);
     if probe.verbose {
         println!("{text}");
     }
     let refused = |probe: &mut Probe, message: String| {
         probe.count("definitions refused");
-        // It may quote a name; the logger of an instance cuts it.
+        // The message may quote a name; the logger of an instance truncates it.
         let long = message.len() > 3 * text.len() + 1000;
         if message.is_empty() || message.contains('\n') || long {
             return Err(format!("a refusal of {} bytes: {message:.200}", message.len()));
@@ -90,7 +90,7 @@ fn number(random: &mut Random, old: f64) -> String {
     }
 }
 
-/// The members and elements of a value, by their JSON pointers.
+/// The JSON pointers of the members and elements of a value.
 fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
     let mut below = |key: &str, member: &Value| {
         let pointer = format!("{at}/{key}");
@@ -105,7 +105,7 @@ fn pointers(value: &Value, at: &str, found: &mut Vec<String>) {
 }
 
 /// A definition with up to three changes.
-fn spoiled(random: &mut Random, text: &str) -> String {
+fn malformed(random: &mut Random, text: &str) -> String {
     let mut value: Value = serde_json::from_str(text).unwrap_or_default();
     let mut text = None;
     for _ in 0..=random.below(3) {
@@ -128,7 +128,7 @@ fn spoiled(random: &mut Random, text: &str) -> String {
             }
             6 => remove(&mut value, place),
             7 => {
-                // Written twice.
+                // A duplicated key.
                 if let Some((_, key)) =
                     place.rsplit_once('/').filter(|_| !place.ends_with(|c: char| c.is_ascii_digit()))
                 {
@@ -179,7 +179,7 @@ fn put(value: &mut Value, place: &str, new: Value) {
     }
 }
 
-/// The text with another piece of text at a place.
+/// The text with another piece of text in place of the placeholder.
 fn placed(value: &Value, place: &str, piece: &str) -> String {
     let mut value = value.clone();
     put(&mut value, place, PLACE.trim_matches('"').into());

@@ -1,5 +1,5 @@
-//! Random histories as twins: two instances get the same inputs, derivatives, locks and steps; one of them is besides
-//! read, saved, restored and written to bytes in between. Their outputs and their states must agree to the bit.
+//! Random histories as twins: two instances get the same inputs, derivatives, locks and steps; one of them is also
+//! read, saved, restored and serialised in between. Their outputs and states must be bit-identical.
 use super::mechanism::{Prepared, definition};
 use super::probe::Probe;
 use super::random::Random;
@@ -7,23 +7,23 @@ use super::{actuator, network};
 use linkage_fmu::component::{Component, Stepped};
 use linkage_fmu::variables::Reference;
 
-/// Histories in a row that share a mechanism, whose set-up costs as much as many steps.
+/// Consecutive histories with the same mechanism, whose set-up takes as long as many steps.
 pub const SHARED: u64 = 32;
-/// Most steps of a history.
+/// Greatest number of steps of a history.
 const STEPS: usize = 24;
 
-/// How the second twin goes on.
+/// How the second twin continues.
 #[derive(Clone, Copy, Debug)]
 enum Rollback {
-    /// As it is.
+    /// Unchanged.
     None,
-    /// Restored in place, after another step.
+    /// Restored in the same instance, after another step.
     InPlace,
     /// Another instance, restored.
     Fresh,
     /// Another instance, restored from bytes.
     Bytes,
-    /// Another instance that has stepped elsewhere, restored from bytes.
+    /// Another instance that has made other steps, restored from bytes.
     Elsewhere,
 }
 
@@ -37,7 +37,7 @@ const ROLLBACKS: [Rollback; 7] = [
     Rollback::Elsewhere,
 ];
 
-/// A part's case: one history.
+/// The case of this part: one history.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let prepared = prepared(probe);
     probe.count(match prepared.1.definition.file {
@@ -73,17 +73,17 @@ pub fn prepared(probe: &mut Probe) -> (u64, Prepared) {
     }
 }
 
-/// A state in bytes.
+/// A serialised state.
 pub fn written(model: &Component) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     model.snapshot().write(&mut bytes).map_err(|e| format!("a state cannot be written: {e}"))?;
     Ok(bytes)
 }
 
-/// Bits of all outputs; each is finite, or has a reason not to be.
+/// Bits of all outputs; each is finite or has a reason not to be.
 ///
 /// # Errors
-/// An output is refused, or is not finite without a reason.
+/// An output returns an error, or is not finite without a reason.
 pub fn outputs(model: &mut Component, prepared: &Prepared) -> Result<Vec<u64>, String> {
     let mut bits = Vec::with_capacity(prepared.outputs.len());
     for &output in &prepared.outputs {
@@ -104,14 +104,14 @@ pub fn name(model: &Component, reference: Reference) -> String {
     model.interface().list()[reference as usize].name.clone()
 }
 
-/// Where the outputs of twins differ.
+/// The first difference between the outputs of twins.
 pub fn difference(model: &Component, prepared: &Prepared, a: &[u64], b: &[u64]) -> Option<String> {
     let k = (0..a.len()).find(|&k| a[k] != b[k])?;
     let of = prepared.outputs.iter().chain(&prepared.flags).nth(k).map(|&r| name(model, r)).unwrap_or_default();
     Some(format!("{of}: {:?} {:?}", f64::from_bits(a[k]), f64::from_bits(b[k])))
 }
 
-/// Set inputs, derivatives and locks of these models alike, as the random numbers say.
+/// Set the same random inputs, derivatives and locks in these models.
 pub fn set<const N: usize>(
     random: &mut Random,
     prepared: &Prepared,
@@ -125,7 +125,7 @@ pub fn set<const N: usize>(
         2 => 1.0,
         _ => 0.0,
     };
-    // All inputs at times, some at others, none at most.
+    // All inputs in some steps, some in others, none in most.
     let share = random.pick(&[0.0, 0.0, 0.3, 1.0]);
     for k in 0..prepared.inputs.len() {
         if random.chance(share) {
@@ -144,7 +144,7 @@ pub fn set<const N: usize>(
     for model in models {
         for &(k, order, value) in &calls {
             let (input, [middle, size]) = (prepared.inputs[k], prepared.sizes[k]);
-            // A value or an order that the model refuses is refused in all of them.
+            // A value or an order that the model rejects must be rejected in all of them.
             let value = if order == 0 { middle + value * size } else { value * size };
             let _ = match order {
                 0 => model.set_real(input, value),
@@ -164,7 +164,7 @@ pub fn set<const N: usize>(
     }
 }
 
-/// A step as long as the mechanism asks for, shorter, or much shorter.
+/// A random step: as long as the mechanism's usual one, shorter, or much shorter.
 pub fn length(random: &mut Random, prepared: &Prepared) -> f64 {
     let h = prepared.definition.h;
     h * match random.below(8) {

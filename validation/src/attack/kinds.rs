@@ -1,18 +1,18 @@
-//! Random mechanisms of the kinds that engineers draw, against their closed forms and Lagrange's equation.
+//! Random mechanisms of the usual kinds, compared with closed forms and Lagrange's equation.
 use super::probe::Probe;
 use crate::kinds::{Draw, Off, Sketch, open, run, wild};
 use linkage_fmu::simulation::SimulationError;
 
-/// Largest error of a position, as a part of the size [1, rad].
+/// Allowed error of a position relative to the size [1, rad].
 const POSITION: f64 = 1e-11;
-/// Largest error of rates and of the balance of the reactions, as a part of the largest.
+/// Allowed error of rates and of the balance of the reactions, relative to the largest.
 const RATES: f64 = 1e-8;
-/// Largest ratio of an error of the motion to the tolerance, or to what the mechanism makes of it.
+/// Allowed ratio of an error of the motion to the tolerance or to the effect of an error of that size.
 const MOST: f64 = 100.0;
-/// Draws after which a case has nothing to ask.
+/// Number of draws after which a case ends without a result.
 const DRAWS: u32 = 50;
 
-/// A part's case: one mechanism.
+/// The case of this part: one mechanism.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     for _ in 0..DRAWS {
@@ -67,7 +67,7 @@ fn possible(probe: &mut Probe, sketch: &Sketch, text: &str, span: f64, steps: u3
     Ok(())
 }
 
-/// Lengths that cannot be joined at the start are refused; or they are joined otherwise, on another side.
+/// Lengths that cannot be assembled at the start are rejected, or the assembly is that of another branch.
 fn impossible(probe: &mut Probe, sketch: &Sketch, text: &str) -> Result<(), String> {
     if probe.verbose {
         println!("{text}\ncannot be joined at its start");

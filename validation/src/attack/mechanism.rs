@@ -1,8 +1,8 @@
-//! Random mechanisms: a landing gear, a slider-crank, a four-bar linkage, a block on a slide, a jib, with any of what a
-//! definition may have.
+//! Random mechanisms: a landing gear, a slider-crank, a four-bar linkage, a block on a slide, a jib, with any of the
+//! features of a definition.
 //!
-//! In: random numbers. Out: the text of a definition, and a model at its start with what a history acts on. It must not
-//! know what is asked of the model.
+//! In: random numbers. Out: the text of a definition, and a model at its start with the inputs that a history sets.
+//! Must not know what the test checks.
 use super::random::Random;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Kind, Reference};
@@ -11,17 +11,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 const GEAR: &str = example!("LandingGearRetraction");
 
-/// A definition, and the sizes of what acts on it.
+/// A definition, and the sizes of its loads.
 #[derive(Clone, Debug)]
 pub struct Definition {
-    /// Name of the file that it would be in: a mechanism's or a hydraulic actuator's.
+    /// Name of the definition's file: a mechanism's or a hydraulic actuator's.
     pub file: &'static str,
     /// The text.
     pub text: String,
-    /// A force [N] and a torque [N.m] that move the mechanism within `h`.
+    /// A force [N] and a torque [N.m] that move the mechanism noticeably within `h`.
     pub force: f64,
     pub torque: f64,
-    /// A communication step in which something happens [s].
+    /// A communication step in which the motion changes noticeably [s].
     pub h: f64,
 }
 
@@ -64,7 +64,7 @@ impl Prepared {
         self.start.interface().find("chamber_a.pressure").is_some()
     }
 
-    /// The first model of these random numbers that is not refused, and how many were.
+    /// The first model from these random numbers that is not rejected, and the number of rejected ones.
     pub fn random(random: &mut Random, definition: fn(&mut Random) -> Definition) -> (Self, u64) {
         let mut refused = 0;
         loop {
@@ -107,7 +107,7 @@ pub fn definition(random: &mut Random) -> Definition {
     Definition { file: "mechanism.json", text: json.to_string(), force, torque, h }
 }
 
-/// The name and what every mechanism may have: gravity and the law of friction.
+/// Name, gravity and law of friction, as every mechanism may have them.
 fn basis(random: &mut Random, name: &str) -> Value {
     let mut json = json!({ "name": name });
     if random.chance(0.8) {
@@ -148,10 +148,10 @@ pub fn solver(random: &mut Random, json: &mut Value) {
     json["solver"] = solver.into();
 }
 
-/// What a stop may limit: the keys that say so, the key of its value, the value at the start, and a size.
+/// A quantity that a stop limits: its keys, the key of the limit, the value at the start, and a size.
 type Quantity = (Value, &'static str, f64, f64);
 
-/// Up to six stops of these quantities, and locks at some of them.
+/// Up to six stops of these quantities, some of them with locks.
 fn stops(random: &mut Random, json: &mut Value, quantities: &[Quantity], stiffness: f64, at: &str) {
     let (mut stops, mut locks) = (Map::new(), Map::new());
     for k in 0..random.below(7) {
@@ -182,7 +182,7 @@ fn stops(random: &mut Random, json: &mut Value, quantities: &[Quantity], stiffne
     json["locks"] = locks.into();
 }
 
-/// An efficiency of a drive, perhaps.
+/// The drive, possibly with an efficiency.
 fn lossy(random: &mut Random, mut drive: Value) -> Value {
     if random.chance(0.3) {
         drive["efficiency"] = json!(random.within(0.3, 1.0));
@@ -190,7 +190,7 @@ fn lossy(random: &mut Random, mut drive: Value) -> Value {
     drive
 }
 
-/// A wind on an area at a point, perhaps.
+/// Possibly a wind on an area at a point.
 fn air(random: &mut Random, json: &mut Value, at: &str) {
     if random.chance(0.3) {
         json["air"] = json!({
@@ -205,7 +205,7 @@ fn air(random: &mut Random, json: &mut Value, at: &str) {
     }
 }
 
-/// A spring, perhaps.
+/// Possibly a spring.
 fn spring(random: &mut Random, json: &mut Value, mut spring: Value, stiffness: f64) {
     if random.chance(0.3) {
         spring["stiffness"] = json!(stiffness * random.decades(0.01, 1.0));
@@ -294,7 +294,7 @@ fn slider_crank(random: &mut Random) -> Parts {
 
 fn four_bar(random: &mut Random) -> Parts {
     let mut json = basis(random, "FourBar");
-    // Lengths and angles of four points that are chosen.
+    // Lengths and angles of four chosen points.
     let (ground, angle) = (random.within(0.2, 0.6), random.within(-PI, PI));
     let crank = random.within(0.05, 0.4);
     let (bx, by) = (crank * angle.cos(), crank * angle.sin());
@@ -401,7 +401,7 @@ fn jib(random: &mut Random) -> Parts {
     ];
     stops(random, &mut json, &quantities, 1e3 * mass, "jib.end");
     if let Some(stops) = json["stops"].as_object_mut() {
-        // The cylinder's ends never meet.
+        // The cylinder's ends never coincide.
         stops.insert("down".into(), json!({ "body": "jib", "limit": "lower", "angle": -1.05, "restitution": 0.3 }));
         stops.insert("up".into(), json!({ "body": "jib", "limit": "upper", "angle": 1.4 }));
     }

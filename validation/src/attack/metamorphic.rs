@@ -1,7 +1,7 @@
-//! Mechanisms written in two ways, which must move alike; packing of whatever is accepted.
+//! Mechanisms written in two ways that must have the same motion, and packing of every accepted definition.
 //!
 //! In: the examples and random mechanisms. Out: pairs that differ by more than rounding, outputs that are not finite
-//! without a reason, definitions that are accepted and cannot be described. It must not know how a mechanism is solved.
+//! without a reason, accepted definitions without a description. Must not depend on how a mechanism is solved.
 use super::mechanism;
 use super::probe::Probe;
 use super::random::Random;
@@ -32,7 +32,7 @@ const EXAMPLES: [&str; 13] = [
     example!("Tailgate"),
     example!("ValveTrain"),
 ];
-/// Names of the ways to write a mechanism anew.
+/// Names of the ways to rewrite a mechanism.
 const WAYS: [&str; 9] = [
     "cloned joint",
     "exchanged sides",
@@ -44,26 +44,26 @@ const WAYS: [&str; 9] = [
     "damped, loose tolerance",
     "renamed",
 ];
-/// Index of the one for which a strong damper is added.
+/// Index of the way for which a strong damper is added.
 const DAMPED: usize = 7;
 /// Largest difference of two outputs, relative to the largest value of the run.
 const CLOSE: f64 = 1e-6;
-/// Part of the largest output below which another one may be nothing but rounding.
+/// Fraction of the largest output below which an output may be rounding error only.
 const ROUNDING: f64 = 1e-6;
-/// What stands for an infinite value.
+/// Represents an infinite value.
 const BOUNDLESS: f64 = 1e300;
 /// Tolerance of the integration.
 const TOLERANCE: f64 = 1e-10;
 /// Communication steps of a run.
 const STEPS: usize = 5;
 
-/// What a run gave: names and units of the outputs, and their values at each communication point.
+/// Result of a run: names and units of the outputs, and their values at each communication point.
 struct Rows {
     outputs: Vec<(String, Unit)>,
     values: Vec<HashMap<String, f64>>,
 }
 
-/// A part's case: one pair.
+/// The case of this part: one pair.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let Some((mut scene, h)) = scene(&mut random) else {
@@ -83,7 +83,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     compare(probe, &scene, &other, h, WAYS[way])
 }
 
-/// A mechanism in plain numbers, and a communication step in which it moves; none if it has no start.
+/// A mechanism in plain numbers, and a communication step in which it moves; None if it has no start.
 fn scene(random: &mut Random) -> Option<(Value, f64)> {
     let (text, h, sizes) = if random.chance(0.5) {
         let text = random.pick(&EXAMPLES).to_owned();
@@ -112,7 +112,7 @@ fn scene(random: &mut Random) -> Option<(Value, f64)> {
     Some((plain, h * random.within(0.5, 1.5)))
 }
 
-/// The mechanism written in one of [`WAYS`].
+/// The mechanism rewritten in one of [`WAYS`].
 fn rewritten(scene: &Value, way: usize, random: &mut Random) -> Option<Rewritten> {
     let mut of = |group: &str| {
         let names: Vec<&String> = scene[group].as_object()?.keys().collect();
@@ -146,8 +146,8 @@ fn run(definition: &Value, h: f64) -> Result<Rows, String> {
         let mut row = HashMap::new();
         for (name, _) in &outputs {
             let value = run.get(name).map_err(|e| format!("{name}: {e}"))?;
-            let mut is_told = || run.undefined(name).is_ok_and(|reason| reason.is_some());
-            if !(value.is_finite() || value.is_nan() && is_told()) {
+            let mut is_undefined = || run.undefined(name).is_ok_and(|reason| reason.is_some());
+            if !(value.is_finite() || value.is_nan() && is_undefined()) {
                 return Err(format!("unreported: {name} = {value}"));
             }
             row.insert(name.clone(), value);
@@ -157,7 +157,7 @@ fn run(definition: &Value, h: f64) -> Result<Rows, String> {
     Ok(Rows { outputs, values })
 }
 
-/// Run both and compare what both give.
+/// Run both mechanisms and compare the outputs.
 fn compare(probe: &mut Probe, scene: &Value, other: &Rewritten, h: f64, way: &'static str) -> Result<(), String> {
     if probe.verbose {
         println!("{scene}\n{way}, steps of {h} s:\n{}", other.definition);
@@ -194,13 +194,13 @@ fn compare(probe: &mut Probe, scene: &Value, other: &Rewritten, h: f64, way: &'s
             if name == "energy.drift" {
                 continue;
             } else if name == "energy.potential" {
-                // What it is relative to may move.
+                // A reference value may differ at the start.
                 if k == 0 {
                     start = [own, found];
                 }
                 (own, found) = (own - start[0], found - start[1]);
             } else if name.ends_with(".impact_time") && own < 0.0 {
-                // There was none.
+                // There was no value before.
                 continue;
             } else if matches!(other.relation, Relation::Mirrored) && name.ends_with(".slip_speed") {
                 own = own.abs();
@@ -219,7 +219,7 @@ fn compare(probe: &mut Probe, scene: &Value, other: &Rewritten, h: f64, way: &'s
     Ok(())
 }
 
-/// A part's case: one definition of which all is described that an FMU says of it.
+/// The case of this part: one definition, whose whole model description is generated.
 pub fn package(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let drawn = match random.chance(0.2) {
@@ -234,7 +234,7 @@ pub fn package(probe: &mut Probe) -> Result<(), String> {
     fmu_build::package::descriptions(&model).map(drop).map_err(|e| format!("accepted, not packed: {e:#}"))
 }
 
-/// An example with friction in its joints, and teeth that do not push wheels apart, which friction asks for.
+/// An example with friction in its joints, and teeth that do not push wheels apart, as friction requires.
 fn rubbing(text: &str) -> String {
     let mut all: Value = serde_json::from_str(text).unwrap_or_default();
     if all.get("friction").is_none() {

@@ -1,8 +1,8 @@
-//! A standing attack: random histories, spoiled states, hostile definitions, scenes against an independent integration,
-//! threads. Each case is made from a seed, which its failure tells.
+//! Randomised tests: random histories, corrupted states, malformed definitions, scenes against an independent
+//! integration, threads. Each case is generated from a seed, which its failure reports.
 //!
-//! In: what the command line asks for. Out: failures with their seeds, counts, the longest call, a page. It must not
-//! know how a mechanism is solved.
+//! In: the command line. Out: failures with their seeds, counts, the longest call, a page. Must not depend on how a
+//! mechanism is solved.
 mod actuator;
 mod answers;
 mod calls;
@@ -32,26 +32,26 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// The longest that a call may take [s of its thread's time].
+/// Time limit of a call [s of its thread's time].
 pub const LONGEST: f64 = 5.0;
-/// The longest that a call is waited for [ms]: on a busy machine, or in a build that is not optimised, it takes longer.
+/// Time after which a call is aborted [ms]: longer, as calls take longer on a busy machine or in a debug build.
 const PATIENCE: u64 = 120_000;
-/// Failures after which a part ends.
+/// Number of failures after which a part ends.
 const ENOUGH: usize = 20;
 
-/// A case of a part: what is wrong, if anything is.
+/// A case of a part; the error describes the failure.
 type Case = fn(&mut Probe) -> Result<(), String>;
 
-/// One kind of attack.
+/// One kind of randomised test.
 pub struct Part {
-    /// As `--only` names it.
+    /// Name for `--only`.
     pub name: &'static str,
     case: Case,
-    /// Cases if neither their number nor a time is asked for.
+    /// Number of cases if neither their number nor a time is given.
     count: u64,
-    /// Share of the time that is asked for.
+    /// Share of the given time.
     share: f64,
-    /// Cases in a row that one thread runs, as they share a mechanism.
+    /// Consecutive cases of one thread, which share a mechanism.
     block: u64,
 }
 
@@ -60,13 +60,13 @@ impl Part {
         Self { name, case, count, share, block }
     }
 
-    /// What is asked for.
+    /// What the cases of this part check.
     pub fn claim(&self) -> String {
         measure::page(if self.name == "scenes" { "motions" } else { self.name }, &[]).trim().to_owned()
     }
 }
 
-/// All kinds of attack.
+/// All kinds of randomised tests.
 pub const PARTS: [Part; 12] = [
     Part::new("histories", histories::attack, 12_000, 0.3, histories::SHARED),
     Part::new("coupled", coupled::attack, 1_000, 0.1, 1),
@@ -82,22 +82,22 @@ pub const PARTS: [Part; 12] = [
     Part::new("threads", threads::attack, 200, 0.07, 1),
 ];
 
-/// What the command line asks for.
+/// Arguments of the command line.
 #[derive(Clone, Debug)]
 pub struct Asked {
-    /// Time for all parts together [min]; else a fixed number of cases.
+    /// Time for all parts together [min]; if None, a fixed number of cases.
     pub minutes: Option<f64>,
     /// Seed of the first case of each part.
     pub seed: u64,
-    /// Names of the parts; none for all.
+    /// Names of the parts; empty for all.
     pub only: Vec<String>,
-    /// Cases of each part.
+    /// Number of cases of each part.
     pub count: Option<u64>,
-    /// Whether the page is written: `attack.md`, of one part `attack_PART.md`.
+    /// Whether the page is written: `attack.md`, or `attack_PART.md` for a single part.
     pub write: bool,
-    /// Threads that run cases.
+    /// Number of threads.
     pub threads: usize,
-    /// Whether a case tells what it does.
+    /// Whether a case prints what it does.
     pub verbose: bool,
 }
 
@@ -109,10 +109,10 @@ impl Default for Asked {
 }
 
 impl Asked {
-    /// Read the words after `attack`.
+    /// Read the arguments after `attack`.
     ///
     /// # Errors
-    /// A word that is none, a value that is missing or none, `--write` of some parts of the attack.
+    /// An unknown argument, a missing or invalid value, `--write` with some of the parts.
     pub fn read(words: &[&str]) -> Result<Self, String> {
         fn value<T: std::str::FromStr>(option: &str, word: Option<&&str>) -> Result<T, String> {
             let word = word.ok_or_else(|| format!("{option}: a value is missing"))?;
@@ -148,20 +148,20 @@ impl Asked {
     }
 }
 
-/// What a part gave.
+/// Result of a part.
 pub struct Outcome {
     /// The part.
     pub part: &'static Part,
-    /// What its cases gave.
+    /// Results of its cases.
     pub tally: Tally,
-    /// Time that it took [s].
+    /// Elapsed time [s].
     pub seconds: f64,
 }
 
-/// `attack`: run, tell, and write the page if that is asked for.
+/// `attack`: run, print, and write the page if requested.
 ///
 /// # Errors
-/// The words are not understood, a case fails, the page cannot be written.
+/// Invalid arguments, a failed case, or a page that cannot be written.
 pub fn run(results: &Path, words: &[&str]) -> Result<(), String> {
     let asked = Asked::read(words)?;
     let outcomes = all(&asked);
@@ -179,7 +179,7 @@ pub fn run(results: &Path, words: &[&str]) -> Result<(), String> {
     }
 }
 
-/// All parts that are asked for, one after the other.
+/// Run all selected parts, one after the other.
 pub fn all(asked: &Asked) -> Vec<Outcome> {
     let those = || PARTS.iter().filter(|part| asked.only.is_empty() || asked.only.iter().any(|name| name == part.name));
     let shares: f64 = those().map(|part| part.share).sum();
@@ -195,7 +195,7 @@ pub fn all(asked: &Asked) -> Vec<Outcome> {
         .collect()
 }
 
-/// The cases of one part, shared among threads. A call that does not end ends the process, after its seed is told.
+/// Run the cases of one part in several threads. A call that does not end ends the process after its seed is printed.
 fn cases(part: &'static Part, asked: &Asked, time: Option<Duration>) -> Tally {
     let start = Instant::now();
     let count = asked.count.unwrap_or(if time.is_some() { u64::MAX } else { part.count });
@@ -230,7 +230,7 @@ fn cases(part: &'static Part, asked: &Asked, time: Option<Duration>) -> Tally {
     })
 }
 
-/// End the process if the call of a thread has taken too long.
+/// End the process if a thread's call takes too long.
 fn watch(part: &Part, pulse: &Pulse, start: Instant) {
     let since = pulse.since.load(Ordering::Relaxed);
     if since > 0 && milliseconds(start).saturating_sub(since) > PATIENCE {
@@ -245,7 +245,7 @@ fn again(part: &Part, seed: u64) -> String {
     format!("cargo fmu bench attack --seed {seed} --only {} --count 1 --verbose", part.name)
 }
 
-/// Run a case; whether it holds.
+/// Run a case; returns whether it passed.
 fn judge(part: &Part, probe: &mut Probe, seed: u64) -> bool {
     probe.begin(seed);
     let longest = std::mem::take(&mut probe.tally.longest);

@@ -1,7 +1,7 @@
-//! Random supply networks with cylinders, with any of what a definition may have.
+//! Random supply networks with cylinders, with any of the features of a definition.
 //!
-//! In: random numbers. Out: the text of a definition, and the middle and size of what its inputs are set to. It must
-//! not know what is asked of the model.
+//! In: random numbers. Out: the text of a definition, and the middle and size of the values of its inputs. Must not
+//! know what the test checks.
 use super::actuator::scale;
 use super::mechanism::{self, Definition};
 use super::random::Random;
@@ -13,9 +13,9 @@ const GIVEN: [&str; 4] = [
     include_str!("../../../tests/networks/two_cylinders.json"),
     include_str!("../../../tests/networks/valve_options.json"),
 ];
-/// One cylinder that moves a landing gear, under the name of the gear's actuator.
+/// One cylinder that moves a landing gear, with the name of the gear's actuator.
 const RAM: &str = include_str!("../../../modelDescription/HydraulicSystem/resources/network.json");
-/// Groups of which an element may be left out.
+/// Groups of which an element may be omitted.
 const OPTIONAL: [&str; 10] = [
     "pumps",
     "accumulators",
@@ -28,10 +28,10 @@ const OPTIONAL: [&str; 10] = [
     "pressure_locks",
     "valves",
 ];
-/// Most levels of a definition.
+/// Greatest nesting depth of a definition.
 const DEPTH: usize = 6;
 
-/// A network with random numbers and options; it may be refused.
+/// A network with random numbers and options; the definition may be rejected.
 fn varied(random: &mut Random, json: &mut Value) {
     for group in OPTIONAL {
         if let Some(elements) = json[group].as_object_mut() {
@@ -89,15 +89,15 @@ fn whole(random: &mut Random, json: &mut Value) -> Definition {
     Definition { file: "network.json", text: json.to_string(), force, torque: 0.0, h }
 }
 
-/// A random definition of a network; it may be refused.
+/// A random definition of a network; it may be rejected.
 pub fn definition(random: &mut Random) -> Definition {
     let mut json: Value = serde_json::from_str(random.pick(&GIVEN)).unwrap_or_default();
     varied(random, &mut json);
     whole(random, &mut json)
 }
 
-/// A random network whose cylinder `actuator` drives a landing gear, and whose other cylinder drives a mass; it may be
-/// refused.
+/// A random network whose cylinder `actuator` drives a landing gear and whose other cylinder drives a mass; the
+/// definition may be rejected.
 pub fn driving(random: &mut Random) -> Definition {
     let text = RAM.replace("\"gear\"", "\"actuator\"").replace("\"gear.", "\"actuator.");
     let mut json: Value = serde_json::from_str(&text).unwrap_or_default();
@@ -112,7 +112,7 @@ pub fn driving(random: &mut Random) -> Definition {
     whole(random, &mut json)
 }
 
-/// Middle and size of the values of an input of a network; none if the definition is of another kind.
+/// Middle and size of the values of an input of a network; None for other kinds of definitions.
 pub fn size(definition: &Definition, name: &str) -> Option<[f64; 2]> {
     if definition.file != "network.json" {
         return None;

@@ -1,4 +1,4 @@
-//! The page of an attack: what was asked, how many cases, what they gave.
+//! The page of the randomised tests: arguments, number of cases, results.
 use super::{Asked, LONGEST, Outcome};
 use crate::measure;
 use std::fmt::{Display, Write};

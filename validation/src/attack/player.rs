@@ -1,7 +1,7 @@
-//! An instance that random calls are made of, and the calls that take more than a line.
+//! An instance for random calls, and the longer kinds of calls.
 //!
-//! In: models, random numbers. Out: for each call what the phase allows it to be answered with, and the answer. What is
-//! allowed follows from the standards alone.
+//! In: models, random numbers. Out: for each call the results that the phase allows, and the result. The allowed
+//! results follow from the standards alone.
 use super::answers::{Fault, May, changed, count, odd, silent, size, update};
 use super::random::Random;
 use crate::host::{DISCARD, Host, Model, OK, WARNING, model};
@@ -12,12 +12,12 @@ use linkage_fmu::variables::{Causality, Kind, Variability, Variable};
 use std::rc::Rc;
 use {Phase::Continuous, Phase::Ended, Phase::Event, Phase::Initialization, Phase::Instantiated, Phase::Step};
 
-/// The output that has no value in model exchange: reported once, then NaN with OK.
+/// The output without a value in model exchange: reported once, then NaN with OK.
 const DRIFT: &str = "energy.drift";
 const TOLERANCES: [Option<f64>; 4] = [None, Some(1e-9), Some(1e-4), Some(f64::NAN)];
 
-/// Phases of FMI 2.0.5 (3.2.3, 4.2.4) and FMI 3.0.2 (3.2.1, 4.2.1). After a step that did not come to its end an
-/// instance is read, restored or reset.
+/// Phases of FMI 2.0.5 (3.2.3, 4.2.4) and FMI 3.0.2 (3.2.1, 4.2.1). After an incomplete step an instance can be read,
+/// restored or reset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
     Instantiated,
@@ -28,7 +28,7 @@ pub enum Phase {
     Ended,
 }
 
-/// What an instance is made for.
+/// Type of the instance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Use {
     CoSimulation,
@@ -36,24 +36,24 @@ pub enum Use {
     Exchange,
 }
 
-/// What decides which calls are legal; a saved state restores it.
+/// The properties that decide which calls are legal; a saved state restores them.
 #[derive(Clone, Copy, Debug)]
 pub struct Now {
     pub phase: Phase,
     pub time: f64,
-    /// Whether a step has led to an event that was not handled yet.
+    /// Whether a step has led to an event that is not handled yet.
     pub awaits: bool,
 }
 
 pub const FRESH: Now = Now { phase: Instantiated, time: 0.0, awaits: false };
 
-/// Of what the version does not have, an instance is reset in its place.
+/// Replacement for calls that the version does not have: a reset of the instance.
 pub const RESET: fn(&mut Player, &mut Random) -> Answer = |p, _| {
     p.now = FRESH;
     ("reset", May::Succeed, p.host.reset())
 };
 
-/// An instance, and what is known of it.
+/// An instance, and its expected condition.
 pub struct Player {
     pub host: Host,
     model: &'static Model,
@@ -61,11 +61,11 @@ pub struct Player {
     pub now: Now,
     pub state: State,
     pub saved: Option<Now>,
-    /// What is wrong with an answer beyond its status.
+    /// Fault of a result beyond its status.
     pub fault: Fault,
 }
 
-/// A call's name, what may be answered, and the answer.
+/// Name of a call, allowed results, and actual result.
 pub type Answer = (&'static str, May, i32);
 
 impl Player {
@@ -112,12 +112,12 @@ impl Player {
         (reference, self.list().get(reference as usize))
     }
 
-    /// Number of values of a Real; none of what is no Real.
+    /// Number of values of a Real; None for other types.
     fn size(&self, reference: u32) -> Option<usize> {
         size(self.model, reference).filter(|_| (reference as usize) < self.count())
     }
 
-    /// Some references, one in FMI 2.0, and the number of their values if all are Reals.
+    /// Several references, one in FMI 2.0, and the number of their values if all are Reals.
     fn references(&self, random: &mut Random) -> (Vec<u32>, Option<usize>) {
         let number = if self.is_two() { 1 } else { 1 + random.below(3) };
         let references: Vec<u32> = (0..number).map(|_| self.any(random).0).collect();
@@ -125,7 +125,7 @@ impl Player {
         (references, sizes)
     }
 
-    /// A number of values: mostly as many as there are; FMI 2.0 has no other.
+    /// A number of values, mostly the correct one; always in FMI 2.0.
     fn number(&self, own: Option<usize>, random: &mut Random) -> usize {
         let others = !self.is_two() && random.chance(0.1);
         if others { random.below(8) } else { own.unwrap_or(1) }
@@ -142,7 +142,7 @@ impl Player {
         self.now.phase != Instantiated || variable.map_or(reference as usize == self.list().len(), early)
     }
 
-    /// Whether a variable of this kind may be set in this phase.
+    /// Whether a variable of this type may be set in this phase.
     fn is_settable(&self, variable: Option<&Variable>, kind: Kind) -> bool {
         let phase = self.now.phase;
         variable.is_some_and(|v| {
@@ -157,7 +157,7 @@ impl Player {
         may.when(phases.contains(&self.now.phase))
     }
 
-    /// Take a call into another phase that was answered with OK.
+    /// Enter a phase if the call returned OK.
     pub fn reach(&mut self, status: i32, phase: Phase) -> i32 {
         if matches!(status, OK | WARNING) {
             self.now.phase = phase;
@@ -165,13 +165,13 @@ impl Player {
         status
     }
 
-    /// Whether one of these variables has no value for the instance's use.
+    /// Whether one of these variables has no value in this instance.
     fn lacks(&self, references: &[u32]) -> bool {
         let is_drift = |&r: &u32| self.list().get(r as usize).is_some_and(|v| v.name == DRIFT);
         self.purpose == Use::Exchange && references.iter().any(is_drift)
     }
 
-    /// Note numbers that came with OK and are none.
+    /// Note undefined numbers returned with OK.
     fn check(&mut self, status: i32, values: &[f64]) -> i32 {
         if let Some(wrong) = silent(status, values) {
             self.fault.replace(Some(wrong));
@@ -179,7 +179,7 @@ impl Player {
         status
     }
 
-    /// Statuses and bits of all Reals that can be read, and of the states of a solver.
+    /// Statuses and bits of all readable Reals, and of the continuous states.
     pub fn bits(&self) -> Vec<(i32, [u64; 2])> {
         let read =
             |status: i32, values: [f64; 2]| (status, if status == OK { values.map(f64::to_bits) } else { [0; 2] });
@@ -189,8 +189,8 @@ impl Player {
             bits.push(read(self.host.states(&mut values), values));
         }
         for reference in 0..self.count() as u32 {
-            let is_told = self.list().get(reference as usize).is_none_or(|v| v.name != DRIFT);
-            if let Some(size) = size(self.model, reference).filter(|_| is_told || self.purpose != Use::Exchange) {
+            let is_compared = self.list().get(reference as usize).is_none_or(|v| v.name != DRIFT);
+            if let Some(size) = size(self.model, reference).filter(|_| is_compared || self.purpose != Use::Exchange) {
                 let mut values = [0.0; 2];
                 bits.push(read(self.host.reals(&[reference], &mut values[..size]), values));
             }
@@ -255,7 +255,7 @@ impl Player {
         ("set a Boolean", Either.when(self.is_settable(variable, Kind::Boolean)), status)
     }
 
-    /// Of an Enumeration, every other time.
+    /// Sets an Enumeration in half of the cases.
     pub fn set_number(&mut self, random: &mut Random) -> Answer {
         let enumerations = (0..).zip(self.list()).filter(|(_, v)| v.kind == Kind::Enumeration);
         let enumerations: Vec<u32> = enumerations.map(|(reference, _)| reference).collect();
@@ -277,12 +277,12 @@ impl Player {
         let have = references.iter().all(|&reference| self.is_known(reference));
         let mut values = vec![0.0; number];
         let status = self.host.reals(&references, &mut values);
-        let told = if self.lacks(&references) { &[] } else { &values[..] };
-        let status = self.check(status, told);
+        let known_values = if self.lacks(&references) { &[] } else { &values[..] };
+        let status = self.check(status, known_values);
         ("get Reals", Either.when(sizes == Some(number) && have), status)
     }
 
-    /// A Boolean, an Enumeration, or what a variable depends on.
+    /// Reads a Boolean, an Enumeration, or the dependencies of a variable.
     pub fn get_other(&mut self, random: &mut Random) -> Answer {
         let (reference, variable) = self.any(random);
         let Host::Three(host) = &self.host else { return RESET(self, random) };
@@ -305,10 +305,10 @@ impl Player {
         }
     }
 
-    /// Along one known variable, or of the adjoint.
+    /// Directional or adjoint derivative with respect to one variable.
     pub fn derivative(&mut self, random: &mut Random) -> Answer {
         let (unknowns, _) = self.references(random);
-        // Outputs that are no Reals do not change a little: their derivative is 0.
+        // Outputs other than Reals have a derivative of 0.
         let jumps = |&r: &u32| self.list().get(r as usize).is_some_and(|v| v.kind != Kind::Real && v.is_output());
         let sizes: Option<usize> = unknowns.iter().map(|r| self.size(*r).or(jumps(r).then_some(1))).sum();
         let known = random.below(self.list().len()) as u32;
@@ -324,10 +324,10 @@ impl Player {
             }
             Host::Three(host) => host.derivative(false, &unknowns, &[known], &seeds[..1], &mut values) as i32,
         };
-        let told = if is_adjoint && !self.is_two() { &back[..] } else { &values };
-        let told = if self.lacks(&unknowns) { &[] } else { told };
+        let known_values = if is_adjoint && !self.is_two() { &back[..] } else { &values };
+        let known_values = if self.lacks(&unknowns) { &[] } else { known_values };
         let may = fits.when(sizes == Some(number));
-        ("get a derivative", may, self.check(status, told))
+        ("get a derivative", may, self.check(status, known_values))
     }
 
     pub fn output_derivatives(&mut self, random: &mut Random) -> Answer {
@@ -352,7 +352,7 @@ impl Player {
         ("update discrete states", may, status)
     }
 
-    /// Derivatives, event indicators, states or nominals; mostly as many numbers as there are.
+    /// Derivatives, event indicators, states or nominal values; mostly the correct number of them.
     pub fn solver_values(&mut self, random: &mut Random) -> Answer {
         type Get = fn(&Host, &mut [f64]) -> i32;
         let rows: [(&str, usize, Get); 4] = [
@@ -368,7 +368,7 @@ impl Player {
         (name, Either.when(values.len() == own && is_known), self.check(status, &values))
     }
 
-    /// States as a solver tries them: along the derivatives, beside them, far away, or none.
+    /// States as a solver sets them: along the derivatives, next to them, far away, or undefined.
     pub fn set_states(&mut self, random: &mut Random) -> Answer {
         let (mut y, mut f) = ([0.0; 2], [0.0; 2]);
         self.host.states(&mut y);
@@ -418,7 +418,7 @@ impl Player {
                     self.now.time = stepped.last;
                 }
             }
-            // Refused before it began, or not: both end with a reset.
+            // The step returned an error, before or after it changed the instance. Both cases end with a reset.
             _ if may == Either => {
                 self.host.reset();
                 self.now = FRESH;

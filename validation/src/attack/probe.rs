@@ -1,5 +1,5 @@
-//! What a case of an attack reports while it runs: how often something happened, how long a call took, how far a result
-//! is off; and the watch over a call that does not end.
+//! Record of a running case: counts of events, duration of calls, size of errors; and a watchdog for calls that do not
+//! end.
 use super::mechanism::Prepared;
 use super::random::Random;
 use cpu_time::ThreadTime;
@@ -7,12 +7,12 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-/// The largest of some values, what it belongs to, and the seed of its case.
+/// The largest of some values, its label, and the seed of its case.
 #[derive(Clone, Debug, Default)]
 pub struct Largest {
     /// The value; 0 for none.
     pub value: f64,
-    /// What it belongs to.
+    /// Label of the value.
     pub what: &'static str,
     /// Seed of the case.
     pub seed: u64,
@@ -26,23 +26,23 @@ impl Largest {
     }
 }
 
-/// What the cases of a part gave.
+/// Results of the cases of a part.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Cases that were run.
+    /// Number of cases.
     pub cases: u64,
-    /// How often what happened.
+    /// Counts by label.
     pub counts: BTreeMap<&'static str, u64>,
     /// The longest call [s of the thread's time].
     pub longest: Largest,
-    /// The largest ratio of a difference to what it may be.
+    /// The largest ratio of a difference to its limit.
     pub ratio: Largest,
-    /// Seed and words of each case that failed.
+    /// Seed and message of each failed case.
     pub failures: Vec<(u64, String)>,
 }
 
 impl Tally {
-    /// Add what other cases gave.
+    /// Add the results of other cases.
     pub fn add(&mut self, other: Self) {
         self.cases += other.cases;
         other.counts.into_iter().for_each(|(what, count)| *self.counts.entry(what).or_default() += count);
@@ -52,7 +52,7 @@ impl Tally {
     }
 }
 
-/// What a thread is doing, for a watch outside of it: seed of the case, and since when a call runs [ms, 0 for none].
+/// State of a thread for the watchdog: seed of the case, and start of the present call [ms, 0 for none].
 #[derive(Debug, Default)]
 pub struct Pulse {
     pub seed: AtomicU64,
@@ -64,7 +64,7 @@ pub fn milliseconds(start: Instant) -> u64 {
     start.elapsed().as_millis() as u64 + 1
 }
 
-/// The hand of one thread that runs cases.
+/// The recorder of one thread that runs cases.
 #[derive(Debug)]
 pub struct Probe<'a> {
     /// Seed of the present case.
@@ -72,9 +72,9 @@ pub struct Probe<'a> {
     /// Its random numbers.
     pub random: Random,
     pub tally: Tally,
-    /// The mechanism that was prepared last, and its own seed.
+    /// The mechanism prepared last, and its seed.
     pub prepared: Option<(u64, Prepared)>,
-    /// Whether the steps of a case tell what they do.
+    /// Whether the steps of a case are printed.
     pub verbose: bool,
     start: Instant,
     pulse: &'a Pulse,
@@ -94,12 +94,12 @@ impl<'a> Probe<'a> {
         self.pulse.since.store(0, Ordering::Relaxed);
     }
 
-    /// Count that something happened.
+    /// Count an event.
     pub fn count(&mut self, what: &'static str) {
         *self.tally.counts.entry(what).or_default() += 1;
     }
 
-    /// Call, keep the thread's time that it took if it is the longest, and let the watch see it.
+    /// Make a call visible to the watchdog, and record its thread time if it is the longest.
     pub fn timed<T>(&mut self, what: &'static str, call: impl FnOnce() -> T) -> T {
         self.pulse.since.store(milliseconds(self.start), Ordering::Relaxed);
         let began = ThreadTime::now();
@@ -110,7 +110,7 @@ impl<'a> Probe<'a> {
         given
     }
 
-    /// Keep a ratio of a difference to what it may be if it is the largest.
+    /// Record a ratio of a difference to its limit if it is the largest.
     pub fn ratio(&mut self, value: f64, what: &'static str) {
         let seed = self.seed;
         self.tally.ratio.take(&Largest { value, what, seed });

@@ -1,6 +1,6 @@
-//! Random numbers that a seed repeats on every machine.
+//! Random numbers, identical on every machine for the same seed.
 
-/// SplitMix64 (Steele, Lea, Flood 2014): each seed gives a stream of its own, consecutive ones too.
+/// SplitMix64 (Steele, Lea, Flood 2014): each seed gives a separate stream, consecutive seeds too.
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
@@ -30,7 +30,7 @@ impl Random {
         low + (high - low) * self.part()
     }
 
-    /// A number from `low` > 0 to below `high`, each decade as often as any other.
+    /// A number from `low` > 0 to below `high`, with logarithmic distribution.
     pub fn decades(&mut self, low: f64, high: f64) -> f64 {
         low * (high / low).powf(self.part())
     }

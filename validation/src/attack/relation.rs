@@ -1,38 +1,38 @@
-//! What the outputs of a mechanism that is written in another way say of those of the first.
+//! Relation between the outputs of a rewritten mechanism and those of the original.
 //!
-//! In: name and unit of an output, the outputs of the other mechanism. Out: the value that follows. It must not know
-//! how the other definition was made.
+//! In: name and unit of an output, the outputs of the other mechanism. Out: the expected value. Must not know how the
+//! other definition was made.
 use linkage_fmu::variables::Unit;
 use std::collections::BTreeMap;
 
-/// Least size of the limit of a drive that no stop ends [m or rad].
+/// Least magnitude of the limit of a drive without a stop [m or rad].
 const NO_LIMIT: f64 = 1e30;
 
-/// What the outputs of another definition say of those of the first.
+/// Relation between the outputs of another definition and those of the original.
 pub enum Relation {
-    /// They are the same; nothing is claimed of names that begin so.
+    /// Identical; not checked for names with one of these prefixes.
     Same(Vec<String>),
-    /// They are the same but for what the joint with this name passes on.
+    /// Identical except for the reactions of the joint with this name.
     Exchanged { joint: String, is_revolute: bool },
     /// The body with this name is fixed at an angle to another one.
     Chained { body: String, base: String, angle: f64 },
-    /// Positions are the same to within ten times this tolerance of the integration.
+    /// Positions are identical to within ten times this tolerance of the integration.
     Loose(f64),
     /// Elements have other names.
     Renamed(BTreeMap<String, String>),
-    /// Mass, length and time are in these units [kg, m, s].
+    /// Mass, length and time have these units [kg, m, s].
     Scaled([f64; 3]),
-    /// The Y axis points the other way.
+    /// The Y axis has the opposite direction.
     Mirrored,
-    /// Turned by an angle about the origin, then moved; these bodies turn.
+    /// Rotated by an angle about the origin, then displaced; these bodies rotate.
     Moved { angle: f64, by: [f64; 2], bodies: Vec<String> },
 }
 
 impl Relation {
-    /// Value of an output as another definition has it; None where nothing is claimed.
+    /// Value of an output from the outputs of the other definition; None where it is not checked.
     pub fn expected(&self, name: &str, unit: Unit, get: &mut dyn FnMut(&str) -> Option<f64>) -> Option<f64> {
         let (owner, quantity) = name.split_once('.')?;
-        // Rounding decides how many of the last bounces on a stop are told apart.
+        // Rounding decides how many of the last bounces on a stop are distinguished.
         if ["impact_count", "impact_impulse"].contains(&quantity) && !matches!(self, Self::Same(_)) {
             return None;
         }
@@ -52,11 +52,11 @@ impl Relation {
             Self::Exchanged { joint, is_revolute } if owner == joint => match quantity {
                 "force_x" | "force_y" | "friction_torque" => Some(-get(name)?),
                 "slip_speed" if *is_revolute => Some(-get(name)?),
-                // It is about another point.
+                // The torque refers to another point.
                 "torque" => None,
                 _ => get(name),
             },
-            // The axis points the other way, and with it what drives a rack forward.
+            // The axis has the opposite direction, and with it the forward direction of a rack.
             Self::Exchanged { is_revolute: false, .. } if ["transmitted_force", "loss_force"].contains(&quantity) => {
                 None
             }
@@ -66,11 +66,11 @@ impl Relation {
             }
             Self::Chained { .. } => get(name),
             Self::Renamed(names) => get(&format!("{}.{quantity}", names.get(owner).map_or(owner, String::as_str))),
-            // A drive without a stop has limits beyond any size.
+            // A drive without a stop has infinite limits.
             Self::Scaled(_) if is_limit && get(name)?.abs() >= NO_LIMIT => None,
             Self::Scaled(units) => Some(get(name)? / factor(unit, *units)),
             Self::Mirrored => {
-                // Forward and backward are exchanged, and so is what drives a wheel forward.
+                // Forward and backward are exchanged, as is the forward direction of a wheel.
                 if quantity.ends_with("ward") || ["transmitted_force", "loss_torque"].contains(&quantity) {
                     return None;
                 }
@@ -110,7 +110,7 @@ impl Relation {
     }
 }
 
-/// Value in these units [kg, m, s] of what is 1 in SI units.
+/// Value in these units [kg, m, s] of 1 in SI units.
 pub fn factor(unit: Unit, units: [f64; 3]) -> f64 {
     let base = unit.base();
     units.iter().zip(base).map(|(own, (_, power))| own.powi(power.into())).product()

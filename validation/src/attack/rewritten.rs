@@ -1,8 +1,8 @@
-//! The same mechanism written in another way: joints given twice or with their sides exchanged, bodies fixed to a body
-//! without mass, other units and names, the whole moved, mirrored or rescaled.
+//! The same mechanism written in another way: joints duplicated or with their sides exchanged, bodies fixed to a
+//! massless body, other units and names, the whole mechanism displaced, mirrored or rescaled.
 //!
-//! In: a definition in SI units without expressions. Out: another one, and what its outputs say of those of the first.
-//! It must not know how a mechanism is solved.
+//! In: a definition in SI units without expressions. Out: another definition, and the relation between its outputs and
+//! those of the first. Must not depend on how a mechanism is solved.
 use super::relation::{Relation, factor};
 use linkage_fmu::format::written;
 use linkage_fmu::mechanism::definition::{Mechanism, Role};
@@ -17,7 +17,7 @@ pub struct Rewritten {
     pub relation: Relation,
 }
 
-/// A definition with all its numbers in SI units and written out.
+/// A definition with all its numbers in SI units and without expressions.
 pub fn plain(text: &str) -> Result<Value, String> {
     with_parameters(text, &mut |_, _, _, _| {})
 }
@@ -36,7 +36,7 @@ fn with_parameters(text: &str, change: &mut dyn FnMut(&str, Unit, Role, &mut f64
     Ok(all)
 }
 
-/// Take out keys without a value.
+/// Remove keys without a value.
 fn prune(value: &mut Value) {
     match value {
         Value::Object(members) => {
@@ -62,7 +62,7 @@ fn change(value: &mut Value, of: impl FnOnce(f64) -> f64) {
     }
 }
 
-/// Whether a drive, a spring or a stop turns.
+/// Whether a drive, a spring or a stop is rotary.
 fn is_rotary(joints: &Value, element: &Value) -> bool {
     let joint = element["joint"].as_str();
     joint.is_some_and(|joint| joints[joint]["type"] == "revolute") || element.get("screw").is_some()
@@ -147,7 +147,7 @@ fn local(definition: &Value, point: &str) -> [f64; 2] {
     }
 }
 
-/// Whether something else than its two bodies names a joint.
+/// Whether an element other than its two bodies refers to a joint.
 fn is_used(definition: &Value, joint: &str) -> bool {
     ["springs", "actuators", "stops", "couplings"]
         .iter()
@@ -158,8 +158,8 @@ fn number(value: &Value, key: &str) -> f64 {
     value[key].as_f64().unwrap_or(0.0)
 }
 
-/// A joint given twice; the second time a prismatic one is shifted along its axis. Nothing is claimed of reactions,
-/// which are shared; friction would follow them.
+/// A duplicated joint; the duplicate of a prismatic joint is shifted along its axis. Reactions are not checked, as both
+/// joints share them; friction would depend on them.
 pub fn cloned(definition: &Value, joint: &str, shift: f64) -> Option<Rewritten> {
     if definition["friction"]["enabled"] == true || definition["solver"].get("method").is_some() {
         return None;
@@ -183,7 +183,7 @@ pub fn cloned(definition: &Value, joint: &str, shift: f64) -> Option<Rewritten> 
     Some(Rewritten { definition: other, relation: Relation::Same(reactions.collect()) })
 }
 
-/// A joint with its sides exchanged. The position of a prismatic one stays, as its axis is turned over.
+/// A joint with its sides exchanged. The position of a prismatic joint is unchanged, as its axis is reversed.
 pub fn exchanged(definition: &Value, joint: &str) -> Option<Rewritten> {
     let own = &definition["joints"][joint];
     let is_revolute = own["type"] == "revolute";
@@ -204,7 +204,7 @@ pub fn exchanged(definition: &Value, joint: &str) -> Option<Rewritten> {
     Some(Rewritten { definition: other, relation: Relation::Exchanged { joint: joint.to_owned(), is_revolute } })
 }
 
-/// A body that is fixed, at an angle, to one without mass that moves in its place.
+/// A body fixed, at an angle, to a massless body that replaces it.
 pub fn chained(definition: &Value, body: &str, angle: f64) -> Option<Rewritten> {
     let own = &definition["bodies"][body];
     if body == "ground" || own.get("fixed_to").is_some() || definition["solver"].get("method").is_some() {
@@ -223,7 +223,7 @@ pub fn chained(definition: &Value, body: &str, angle: f64) -> Option<Rewritten> 
     Some(Rewritten { definition: other, relation: Relation::Chained { body: body.to_owned(), base, angle } })
 }
 
-/// The file in millimetres and degrees.
+/// The definition in millimetres and degrees.
 pub fn in_other_units(definition: &Value) -> Option<Rewritten> {
     let of = |unit: Unit, value: f64| match unit {
         Unit::Metre => 1000.0 * value,
@@ -242,7 +242,7 @@ pub fn in_other_units(definition: &Value) -> Option<Rewritten> {
     Some(Rewritten { definition: other, relation: Relation::Same(Vec::new()) })
 }
 
-/// The whole turned and moved: what was on the ground is on a body that is fixed to it.
+/// The mechanism rotated and displaced: elements of the ground are on a body that is fixed to the ground.
 pub fn moved(definition: &Value, angle: f64, by: [f64; 2]) -> Option<Rewritten> {
     let mut other = definition.clone();
     texts(&mut other, "", &mut |_, text| {
@@ -276,7 +276,7 @@ pub fn moved(definition: &Value, angle: f64, by: [f64; 2]) -> Option<Rewritten> 
     Some(Rewritten { definition: other, relation: Relation::Moved { angle, by, bodies } })
 }
 
-/// The mirror image: Y is -Y.
+/// The mirror image: Y becomes -Y.
 pub fn mirrored(definition: &Value) -> Option<Rewritten> {
     if definition["couplings"].as_object().into_iter().flatten().any(|(_, c)| c.get("points").is_some()) {
         return None;
@@ -326,7 +326,7 @@ pub fn mirrored(definition: &Value) -> Option<Rewritten> {
     Some(Rewritten { definition: other, relation: Relation::Mirrored })
 }
 
-/// The mirror image of a rack or a cam: of the latter the lift is passed through backwards.
+/// The mirror image of a rack or a cam; the lift of a cam is traversed backwards.
 fn mirror_coupling(coupling: &mut Value) {
     if coupling["type"] == "rack" {
         coupling["side"] = json!(if coupling["side"] == "left" { "right" } else { "left" });
@@ -347,7 +347,7 @@ fn mirror_coupling(coupling: &mut Value) {
     }
 }
 
-/// The whole in other units of mass, length and time, which it does not know.
+/// The mechanism in other units of mass, length and time, which the definition does not mention.
 pub fn rescaled(definition: &Value, units: [f64; 3]) -> Option<Rewritten> {
     let mut given = definition.clone();
     if definition["actuators"].as_object().into_iter().flatten().any(|(_, drive)| drive.get("hydraulics").is_some()) {
@@ -364,14 +364,14 @@ pub fn rescaled(definition: &Value, units: [f64; 3]) -> Option<Rewritten> {
     Some(Rewritten { definition: other, relation: Relation::Scaled(units) })
 }
 
-/// The same at a loose tolerance.
+/// The same definition with a loose tolerance.
 pub fn loose(definition: &Value, tolerance: f64) -> Rewritten {
     let mut other = definition.clone();
     other["solver"]["tolerance"] = json!(tolerance);
     Rewritten { definition: other, relation: Relation::Loose(tolerance) }
 }
 
-/// Bodies and joints under other names, in another order.
+/// Bodies and joints with other names, in another order.
 pub fn renamed(definition: &Value, prefix: &mut dyn FnMut() -> char) -> Option<Rewritten> {
     const WORDS: [&str; 12] = [
         "name",

@@ -1,5 +1,5 @@
-//! Spoiled states: bytes of a state are changed, and its check sum is made right again. Such a state is refused, or the
-//! instance goes on from it: each output finite or undefined for a reason, each call ends.
+//! Corrupted states: some bytes of a state are changed, and its checksum is recomputed. The state is rejected, or the
+//! instance continues from it: each output is finite or undefined for a reason, and each call ends.
 use super::histories::{length, outputs, prepared, set, written};
 use super::mechanism::Prepared;
 use super::probe::Probe;
@@ -10,13 +10,13 @@ use linkage_fmu::component::Stepped;
 use linkage_fmu::fmi2::host::{Host, State, logger};
 use linkage_fmu::fmi2::types::Status;
 
-/// Steps before a state is written, and after a spoiled one is taken.
+/// Steps before a state is serialised, and after a corrupted one is restored.
 const STEPS: usize = 4;
-/// Bytes of the head of an instance's state that tell its form, length and mechanism, and those of its check sum.
+/// Length of the header of a serialised state with format, length and mechanism, and of the checksum [bytes].
 const HEAD: usize = 36;
 const CHECK: usize = 8;
 
-/// A part's case: a model's state, or that of an instance through the C functions.
+/// The case of this part: the state of a model, or of an instance through the C functions.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     if probe.seed % 4 == 3 {
         return instance(probe);
@@ -27,7 +27,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     result
 }
 
-/// Numbers that a state should never have, or hardly ever.
+/// Numbers that a valid state never or hardly ever contains.
 fn odd(random: &mut Random) -> f64 {
     let any = f64::from_bits(random.word());
     let small = random.within(-2.0, 2.0);
@@ -36,7 +36,7 @@ fn odd(random: &mut Random) -> f64 {
 }
 
 /// Change some bytes of a state's body.
-fn spoil(random: &mut Random, bytes: &mut [u8]) {
+fn corrupt(random: &mut Random, bytes: &mut [u8]) {
     for _ in 0..=random.below(3) {
         let at = random.below(bytes.len());
         match random.below(5) {
@@ -65,7 +65,7 @@ fn of_model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
         let _ = probe.timed("step", || model.step(h));
     }
     let mut bytes = written(&model)?;
-    spoil(&mut random, &mut bytes);
+    corrupt(&mut random, &mut bytes);
     let Ok(snapshot) = probe.timed("state read", || model.read_snapshot(&bytes)) else {
         probe.count("states refused");
         return Ok(());
@@ -92,7 +92,7 @@ fn of_model(probe: &mut Probe, prepared: &Prepared) -> Result<(), String> {
     outputs(&mut model, prepared).map(drop)
 }
 
-/// The FMUs whose states are spoiled.
+/// The FMUs whose states are corrupted.
 const MODELS: [&str; 7] = [
     "LandingGearRetraction",
     "SliderCrank",
@@ -103,7 +103,7 @@ const MODELS: [&str; 7] = [
     "LandingGearRetractionHydraulic",
 ];
 
-/// Every output of an instance, whose status is OK, or a warning with a text.
+/// Read every output of an instance; the status must be OK, or a warning with a message.
 fn read(host: &Host, outputs: &[u32]) -> Result<(), String> {
     let mut values = vec![0.0; outputs.len()];
     let status = host.reals(outputs, &mut values);
@@ -111,13 +111,13 @@ fn read(host: &Host, outputs: &[u32]) -> Result<(), String> {
     match status {
         Status::Ok if values.iter().all(|value| value.is_finite()) => Ok(()),
         Status::Warning if !log.is_empty() => Ok(()),
-        // The phase of the state may be one without outputs.
+        // The restored phase may be one in which outputs cannot be read.
         Status::Error if log.iter().any(|message| message.text.contains("from initialization mode on")) => Ok(()),
         status => Err(format!("fmi2GetReal answers {status:?}: {values:?} {log:?}")),
     }
 }
 
-/// Refuses any status but OK.
+/// An error for any status but OK.
 fn fine(call: &str, status: Status) -> Result<(), String> {
     if status == Status::Ok { Ok(()) } else { Err(format!("{call} answers {status:?}")) }
 }
@@ -145,7 +145,7 @@ fn instance(probe: &mut Probe) -> Result<(), String> {
     let mut bytes = host.serialize(&state).map_err(|s| format!("fmi2SerializeFMUstate: {s:?}"))?;
     host.free(&mut state);
     let end = bytes.len() - CHECK;
-    spoil(&mut random, &mut bytes[HEAD..end]);
+    corrupt(&mut random, &mut bytes[HEAD..end]);
     let sum = xxh64(&bytes[..end]).to_le_bytes();
     bytes[end..].copy_from_slice(&sum);
     let Ok(mut state) = probe.timed("fmi2DeSerializeFMUstate", || host.deserialize(&bytes)) else {
@@ -171,7 +171,7 @@ fn instance(probe: &mut Probe) -> Result<(), String> {
         } else if log.is_empty() {
             return Err(format!("fmi2DoStep answers {status:?} without a word"));
         } else {
-            // Mostly another time than that of the spoiled clock.
+            // Usually the time differs from that of the corrupted clock.
             probe.count("steps after that ended with an error");
             break;
         }

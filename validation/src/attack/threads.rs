@@ -1,21 +1,21 @@
-//! Instances of one mechanism that step in threads at once, while the tables they share are built, give the bits of
-//! each alone.
+//! Instances of one mechanism that step in parallel threads while their shared tables are built give results
+//! bit-identical to those of separate runs.
 use super::histories::{length, outputs, set, written};
 use super::mechanism::{Prepared, definition};
 use super::probe::Probe;
 use super::random::Random;
 
-/// Instances of a case.
+/// Number of instances of a case.
 const INSTANCES: u64 = 4;
-/// Steps of each.
+/// Number of steps of each instance.
 const STEPS: usize = 12;
 
-/// A part's case: one mechanism.
+/// The case of this part: one mechanism.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let (alone, _) = Prepared::random(&mut random, definition);
     probe.count("instances alone and in threads");
-    // A model of its own, whose tables are not built yet.
+    // A separate model whose tables are not built yet.
     let shared = Prepared::new(alone.definition.clone())?;
     let seed = random.word();
     let runs: Vec<_> = (0..INSTANCES).map(|k| run(&alone, seed.wrapping_add(k))).collect();

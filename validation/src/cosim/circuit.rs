@@ -1,10 +1,10 @@
-//! The hydraulic circuit in plain numbers, written from its laws alone: a second formulation beside the engine's.
+//! The hydraulic circuit in plain numbers, implemented from its laws: a second formulation, independent of the engine.
 //!
 //! In: pressures, spool, length and speed. Out: their rates, flows and force. Sources: Merritt, Hydraulic Control
 //! Systems; Jelali and Kroll, Hydraulic Servo-systems; Modelica.Fluid.Utilities.regRoot.
 use std::f64::consts::PI;
 
-/// The numbers of a circuit: field, name as the FMU has it, value of scenes H0 and H1.
+/// The numbers of a circuit: field, name in the FMU, value in scenes H0 and H1.
 macro_rules! numbers {
     ({ $($one:ident $name:literal $value:literal;)* } { $($two:ident $a:literal $b:literal $values:expr;)* }) => {
         /// Numbers of a circuit with a 4/3 valve and a differential cylinder, all in SI units; pressures are gauge.
@@ -13,7 +13,7 @@ macro_rules! numbers {
         pub struct Circuit {
             $(pub $one: f64,)*
             $(pub $two: [f64; 2],)*
-            /// Command before ramp and sine.
+            /// Command before ramp and sine are added.
             pub command: f64,
         }
 
@@ -106,7 +106,8 @@ impl Circuit {
         (self.command + ramp + self.sine[0] * (2.0 * PI * self.sine[1] * t).sin()).clamp(-1.0, 1.0)
     }
 
-    /// Flow into a chamber at p from a port, through an edge of this opening and a resistance to outflow.
+    /// Flow into a chamber at the pressure p from a port, through an orifice of this opening and a resistance to
+    /// outflow.
     fn path(&self, port: f64, p: f64, opening: f64, resistance: f64) -> f64 {
         let d = port - p;
         let root = d / (d * d + self.transition_pressure.powi(2)).powf(0.25);
@@ -174,7 +175,7 @@ impl Circuit {
         a * p_a - b * p_b - self.friction(v)[0]
     }
 
-    /// Stiffness -dF/ds at once [N/m].
+    /// Instantaneous stiffness -dF/ds [N/m].
     pub fn stiffness(&self, s: f64, [p_a, p_b, ..]: &State) -> f64 {
         let ([a, b], [v_a, v_b]) = (self.areas(), self.volumes(s));
         self.bulk(*p_a) * a * a / v_a + self.bulk(*p_b) * b * b / v_b

@@ -1,8 +1,8 @@
-//! FMU files as the sides of a coupling, through the functions of FMI 2.0 alone: unpacked, the description read, the
-//! library opened.
+//! FMU files as the sides of a coupling, through the functions of FMI 2.0 alone: unpacked, with the description parsed
+//! and the library loaded.
 //!
-//! In: a `.fmu` file and a folder, values by name. Out: the gear, its hydraulic actuator, an oil spring that this
-//! project did not make. What a side is asked for goes by the names of its variables.
+//! In: a `.fmu` file and a folder, values by name. Out: the gear, its hydraulic actuator, an oil spring of another
+//! tool. Variables are accessed by name.
 use super::models::{Integrated, Mass, OilSpring};
 use super::pair::{Actuator, Element, Mechanism, Motion, Pair, Preview, Refused};
 use super::schemes;
@@ -18,7 +18,7 @@ use std::fs::File;
 use std::path::Path;
 use std::sync::Arc;
 
-/// An opened FMU.
+/// A loaded FMU.
 #[derive(Debug)]
 pub struct Fmu {
     library: Arc<Library>,
@@ -26,7 +26,7 @@ pub struct Fmu {
 }
 
 impl Fmu {
-    /// Unpack an FMU into a folder and open it.
+    /// Unpack an FMU into a folder and load it.
     ///
     /// # Errors
     /// The file is no FMU for co-simulation on this platform, or cannot be unpacked.
@@ -54,7 +54,7 @@ impl Fmu {
     }
 }
 
-/// What `modelDescription.xml` tells: GUID, name of the library, value references.
+/// Contents of `modelDescription.xml`: GUID, name of the library, value references.
 fn described(text: &str) -> Result<(String, String, HashMap<String, ValueReference>), String> {
     let mut reader = Reader::from_str(text);
     let (mut guid, mut identifier, mut references) = (None, None, HashMap::new());
@@ -84,7 +84,7 @@ fn described(text: &str) -> Result<(String, String, HashMap<String, ValueReferen
     Ok((guid, identifier, references))
 }
 
-/// An instance in step mode, with a state that it may return to.
+/// An instance in step mode, with a saved state.
 #[derive(Debug)]
 struct Side {
     fmu: Arc<Fmu>,
@@ -93,7 +93,7 @@ struct Side {
 }
 
 impl Side {
-    /// An instance at its start: Reals, Booleans and Enumerations by name.
+    /// An instance at its start, with values of Reals, Booleans and Enumerations by name.
     fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], flags: &[(String, bool)], mode: &str) -> Result<Self, String> {
         let instance = fmu.library.instantiate("side", Some(logger()))?;
         instance.set_up(0.0, None)?;
@@ -141,7 +141,7 @@ impl Side {
 
 impl Drop for Side {
     fn drop(&mut self) {
-        // What an FMU answers when it ends changes nothing that was measured.
+        // The result of termination does not affect the measurement.
         let _ = self.instance.free(&mut self.state);
     }
 }
@@ -149,7 +149,7 @@ impl Drop for Side {
 const FORCE: &str = "actuator.force";
 const SPEED: &str = "actuator.speed";
 const ACCELERATION: &str = "actuator.acceleration";
-/// The element's terms.
+/// Outputs of the element.
 const ELEMENT: [&str; 6] = [
     "actuator.reduced_mass",
     "actuator.reduced_mass_derivative",
@@ -212,12 +212,12 @@ impl Mechanism for Gear {
     }
 }
 
-/// The FMU `HydraulicActuator`, and whether a step keeps the foreseen motion: one pass.
+/// The FMU `HydraulicActuator`, and whether a step keeps the predicted motion (one pass).
 #[derive(Debug)]
 pub struct Hydraulic(Side, bool);
 
 impl Hydraulic {
-    /// An instance at its start in a mode of `coupling.mode`.
+    /// An instance at its start, with a value of `coupling.mode`.
     pub fn start(fmu: &Arc<Fmu>, reals: &[(String, f64)], mode: &str) -> Result<Self, String> {
         Ok(Self(Side::start(fmu, reals, &[], mode)?, mode != "follow"))
     }
@@ -273,7 +273,7 @@ impl Actuator for Hydraulic {
     }
 }
 
-/// An oil spring with a leak, exported by another tool: it knows a held speed and its force only.
+/// An oil spring with leakage, exported by another tool: its input is a held speed, its output the force.
 #[derive(Debug)]
 struct Spring(Side);
 
@@ -291,18 +291,18 @@ impl Actuator for Spring {
     }
 }
 
-/// Couple a foreign FMU with `speed`, `force`, `stiffness` and `leak_time` with a mass, by Jacobi coupling with held
-/// inputs, and compare it with the same law in closed form; the sentence of the result.
+/// Couple an FMU of another tool, with `speed`, `force`, `stiffness` and `leak_time`, with a mass by Jacobi coupling
+/// with held inputs, and compare it with the same law in closed form. Returns the sentence with the result.
 ///
 /// # Errors
-/// The FMU refuses a call, or the forces differ.
+/// The FMU returns an error, or the forces differ.
 pub fn foreign(fmu: &Arc<Fmu>) -> Result<String, String> {
     const SPRING: OilSpring = OilSpring { stiffness: 1.5e6, leak_time: 0.03 };
-    /// Force at the start, the FMU's own [N].
+    /// Force at the start, as in the FMU [N].
     const START: f64 = 1000.0;
     const STEP: f64 = 5e-4;
     const STEPS: u32 = 400;
-    /// Largest difference of the force relative to the start [1]: rounding of either side over the run.
+    /// Allowed difference of the force relative to the start [1]: rounding of both sides over the run.
     const ALLOWED: f64 = 1e-10;
     let forces = |spring: &mut dyn Actuator| -> Result<Vec<f64>, Refused> {
         let mut mass = Mass::new(700.0, 0.0, [0.5, 0.0]);

@@ -1,7 +1,7 @@
-//! Coupling of a mechanism and its hydraulic actuator: every scheme, measured.
+//! Coupling of a mechanism and its hydraulic actuator: measurement of every scheme.
 //!
-//! In: two FMUs, or models in closed form. Out: error against communication step for each scheme. The host is for
-//! measuring; users couple with the masters that they have.
+//! In: two FMUs, or models in closed form. Out: error over communication step for each scheme. The host serves
+//! measurements only; users couple with their own masters.
 pub mod circuit;
 pub mod fmus;
 pub mod models;

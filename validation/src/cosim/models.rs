@@ -1,7 +1,7 @@
 //! Sides of a coupling that are no FMUs: a mass in closed form, and an actuator whose laws are integrated here.
 //!
-//! In: laws of an actuator. Out: an [`Actuator`] with preview. They serve the tests of the schemes, and as a second
-//! formulation beside the FMUs.
+//! In: laws of an actuator. Out: an [`Actuator`] with preview. Used in tests of the schemes, and as a second
+//! formulation for comparison with the FMUs.
 use super::circuit::Circuit;
 use super::pair::{Actuator, Element, Mechanism, Motion, Preview, Refused};
 use crate::extrapolation::integrate;
@@ -9,7 +9,7 @@ use crate::extrapolation::integrate;
 /// Longest step of the integration [s].
 const LONGEST: f64 = 5e-4;
 
-/// A mass that carries a constant load.
+/// A mass with a constant load.
 #[derive(Clone, Debug)]
 pub struct Mass {
     /// Mass [kg].
@@ -23,7 +23,7 @@ pub struct Mass {
 }
 
 impl Mass {
-    /// At a length with a speed.
+    /// A mass at a length, with a speed.
     pub fn new(mass: f64, load: f64, state: [f64; 2]) -> Self {
         Self { mass, load, state, force: [0.0; 3], kept: state }
     }
@@ -48,7 +48,7 @@ impl Mechanism for Mass {
         Ok(())
     }
 
-    /// The force is a parabola in time, so speed and length are polynomials.
+    /// The force is a parabola in time, so that speed and length are polynomials.
     fn step(&mut self, _t: f64, h: f64) -> Result<(), Refused> {
         let [f, first, second] = self.force;
         let a = [(f - self.load) / self.mass, first / self.mass, second / self.mass];
@@ -91,13 +91,13 @@ pub trait Laws {
     fn compliance(&self, s: f64, v: f64, x: &[f64; 4]) -> [f64; 2];
 }
 
-/// Oil between a piston and a leaking volume: F' = -stiffness v - F / leak_time. With a mass m it swings with
-/// omega = sqrt(stiffness / m) and zeta = 1 / (2 omega leak_time).
+/// Oil between a piston and a leaking volume: F' = -stiffness v - F / leak_time. With a mass m it oscillates with omega
+/// = sqrt(stiffness / m) and zeta = 1 / (2 omega leak_time).
 #[derive(Clone, Copy, Debug)]
 pub struct OilSpring {
     /// Stiffness k [N/m].
     pub stiffness: f64,
-    /// Time in which the force leaks away [s].
+    /// Time constant of the leakage [s].
     pub leak_time: f64,
 }
 
@@ -138,7 +138,7 @@ impl Laws for Circuit {
     }
 }
 
-/// What changes in a step of an [`Integrated`] actuator.
+/// State that a step of an [`Integrated`] actuator changes.
 #[derive(Clone, Copy, Debug, Default)]
 struct Present {
     x: [f64; 4],
@@ -148,29 +148,29 @@ struct Present {
     work: f64,
 }
 
-/// The element of a preview, with what its step needs to remember.
+/// The element of a preview, with the data for the next step.
 #[derive(Clone, Copy, Debug)]
 struct Asked {
     element: Element,
-    /// Rate of W in time, where its derivative along the length is not told [N/s].
+    /// Time rate of W, used if its derivative along the length is not given [N/s].
     drift: f64,
-    /// Whether the next step keeps the motion foreseen.
+    /// Whether the next step keeps the predicted motion.
     keeps: bool,
     past: Past,
 }
 
-/// What the steps before leave to a preview.
+/// Data of earlier steps for the next preview.
 #[derive(Clone, Copy, Debug, Default)]
 struct Past {
-    /// W [N] and the time [s] at the last step's start.
+    /// W [N] and time [s] at the start of the last step.
     before: Option<[f64; 2]>,
-    /// Speed foreseen for the end of the last step [m/s], and the size of that step [s].
-    foreseen: Option<[f64; 2]>,
-    /// Load that the element model lacks, r [N].
+    /// Speed predicted for the end of the last step [m/s], and the length of that step [s].
+    predicted: Option<[f64; 2]>,
+    /// Load missing in the element model, r [N].
     correction: f64,
 }
 
-/// An actuator of some laws, integrated by [`integrate`].
+/// An actuator with these laws, integrated by [`integrate`].
 #[derive(Clone, Debug)]
 pub struct Integrated<L> {
     /// The laws.
@@ -178,14 +178,14 @@ pub struct Integrated<L> {
     present: Present,
     saved: Present,
     past: Past,
-    /// The last preview; a step takes it.
+    /// The last preview, consumed by the next step.
     asked: Option<Asked>,
-    /// Whether the load is corrected by what the element model missed.
+    /// Whether the load is corrected by the error of the element model.
     pub corrects: bool,
 }
 
 impl<L: Laws> Integrated<L> {
-    /// In a state, at t = 0.
+    /// An actuator in a state, at t = 0.
     pub fn new(laws: L, x: [f64; 4]) -> Self {
         let present = Present { x, ..Present::default() };
         Self { laws, present, saved: present, past: Past::default(), asked: None, corrects: false }
@@ -196,8 +196,8 @@ impl<L: Laws> Integrated<L> {
         self.present.x
     }
 
-    /// From the present motion on over h: states, length, speed, the moments of force, the work done.
-    fn foresee(&self, Asked { element, drift, .. }: Asked, h: f64) -> [f64; 9] {
+    /// States, length, speed, moments of the force and work after h, predicted from the present motion.
+    fn predict(&self, Asked { element, drift, .. }: Asked, h: f64) -> [f64; 9] {
         let Present { x, time, length, speed, .. } = self.present;
         let [a, b, c, d] = x;
         let mut f = |t: f64, y: &[f64; 9]| {
@@ -212,14 +212,15 @@ impl<L: Laws> Integrated<L> {
     }
 }
 
-/// Acceleration of the element under a force, `way` [m] from where it was told, with the speed v [m/s], `t` [s] later.
+/// Acceleration of the element under a force, `way` [m] from its reference length, with the speed v [m/s], `t` [s]
+/// later.
 fn acceleration(element: &Element, drift: f64, [way, v, t]: [f64; 3], force: f64) -> f64 {
     let Element { mass, mass_derivative, holding, holding_derivative, .. } = *element;
     let load = holding + holding_derivative * way + drift * t + 0.5 * mass_derivative * v * v;
     (force - load) / (mass + mass_derivative * way)
 }
 
-/// A polynomial given by value and derivatives at 0, integrated `times` times, at t.
+/// The `times`-fold integral, at t, of a polynomial given by value and derivatives at 0.
 fn taylor(derivatives: &[f64; 5], times: i32, t: f64) -> f64 {
     let (mut sum, mut power) = (0.0, 1.0);
     for k in 1..=times {
@@ -253,7 +254,7 @@ impl<L: Laws> Actuator for Integrated<L> {
         Ok(self.laws.compliance(length, v, &x))
     }
 
-    /// A preview changes nothing that a further one depends on.
+    /// A preview changes nothing on which a further preview depends.
     fn preview(&mut self, mut element: Element, h: f64, keeps: bool) -> Result<Preview, Refused> {
         let Present { time, speed: [v, ..], length, .. } = self.present;
         let (mut past, mut drift) = (self.past, 0.0);
@@ -265,21 +266,21 @@ impl<L: Laws> Actuator for Integrated<L> {
         past.before = Some([element.holding, time]);
         let force = self.force()?;
         if self.corrects
-            && let Some([foreseen, last]) = past.foreseen
+            && let Some([predicted, last]) = past.predicted
         {
-            let missed = element.mass * (v - foreseen) / last;
-            // A contact within the step: its impulse is none of the load's.
+            let missed = element.mass * (v - predicted) / last;
+            // After a contact within the step the impulse is not that of the load.
             let is_load = missed.abs() <= force.abs() + element.holding.abs();
             past.correction = if is_load { past.correction - missed } else { 0.0 };
         }
         element.holding += past.correction;
         let from = acceleration(&element, drift, [0.0, v, 0.0], force);
         let mut asked = Asked { element, drift, keeps, past };
-        let [a, b, c, d, s, end, impulse, moment, _] = self.foresee(asked, h);
+        let [a, b, c, d, s, end, impulse, moment, _] = self.predict(asked, h);
         let to = acceleration(&element, drift, [s - length, end, h], self.laws.force(end, &[a, b, c, d]));
         let [m0, m1] = [impulse / h, moment / h];
         let rate = 6.0 * (2.0 * m1 - m0) / h;
-        asked.past.foreseen = Some([end, h]);
+        asked.past.predicted = Some([end, h]);
         self.asked = Some(asked);
         Ok(Preview { line: [m0 - 0.5 * rate * h, rate], mean: m0, accelerations: [from, to] })
     }
@@ -290,7 +291,7 @@ impl<L: Laws> Actuator for Integrated<L> {
             self.past = asked.past;
         }
         if let Some(asked) = asked.filter(|asked| asked.keeps) {
-            let [a, b, c, d, length, v, _, _, work] = self.foresee(asked, h);
+            let [a, b, c, d, length, v, _, _, work] = self.predict(asked, h);
             (self.present.x, self.present.length) = ([a, b, c, d], length);
             self.present.work += work;
             self.present.speed = [v, 0.0, 0.0, 0.0, 0.0];

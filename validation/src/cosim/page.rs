@@ -1,4 +1,4 @@
-//! The page of the coupling: error against communication step for every scheme and scene.
+//! The page of the coupling: error over communication step for every scheme and scene.
 use super::scenes::{Fmus, Run, Scene, all, run};
 use super::schemes;
 use crate::measure::{Asked, Pages, asked, heading, page};
@@ -12,9 +12,9 @@ const FINEST: f64 = 5e-5;
 const STEPS: [usize; 5] = [2, 10, 20, 100, 400];
 /// Scheme of the reference run.
 const REFERENCE: &str = "preview, two passes, with dW/ds";
-/// Largest errors of a usable run: crank angle [rad], force [N].
+/// Error limits of a usable run: crank angle [rad], force [N].
 const USABLE: [f64; 2] = [1e-2, 1e3];
-/// Force error beyond which a run counts as unstable [N].
+/// Force error above which a run counts as unstable [N].
 const UNSTABLE: f64 = 3e3;
 /// Longest step tried for the largest usable one, in multiples of the finest.
 const LONGEST: usize = 4000;
@@ -36,7 +36,7 @@ impl Errors {
     }
 }
 
-/// The largest errors of a scheme over a scene in steps of so many finest ones; None if it was unstable.
+/// The largest errors of a scheme over a scene in steps of `every` finest steps; None if the run was unstable.
 fn errors(fmus: &Fmus, scene: &Scene, scheme: &str, every: usize, reference: &Run) -> Option<Errors> {
     let run = run(fmus, scene, scheme, FINEST * every as f64).ok()?;
     let mut errors = Errors { angle: 0.0, force: 0.0, interface: run.interface, steps: run.steps };
@@ -51,7 +51,7 @@ fn errors(fmus: &Fmus, scene: &Scene, scheme: &str, every: usize, reference: &Ru
 }
 
 /// Largest multiple of the finest step at which a scheme is usable: the last one before the first that is not, on a
-/// grid that grows by an eighth, then between its last two by bisection.
+/// grid with ratio 9/8, then by bisection between the last two.
 fn largest_usable(fmus: &Fmus, scene: &Scene, scheme: &str, reference: &Run) -> usize {
     let usable = |every: usize| {
         errors(fmus, scene, scheme, every, reference).is_some_and(|e| e.angle < USABLE[0] && e.force < USABLE[1])
@@ -81,12 +81,12 @@ fn against_values(scene: &Scene, reference: &Run) -> [f64; 2] {
     worst
 }
 
-/// Whether the actuator has the mode that a scheme needs: the circuit in plain numbers has no mode delayed.
+/// Whether the actuator has the mode that a scheme needs: the circuit in plain numbers has no mode `delayed`.
 fn has_mode(fmus: &Fmus, scheme: &str) -> bool {
     fmus.hydraulic.is_some() || schemes::mode(scheme) != "delayed"
 }
 
-/// The page, and its figures as CSV.
+/// The page, and its numbers as CSV.
 pub fn table(fmus: &Fmus) -> Result<Pages, String> {
     let side = match fmus.hydraulic {
         Some(_) => "the FMU `HydraulicActuator`",
@@ -127,14 +127,14 @@ pub fn table(fmus: &Fmus) -> Result<Pages, String> {
     Ok(Pages { page: out, csv })
 }
 
-/// A scheme over a scene: errors at each step, the largest usable step [s].
+/// A scheme over a scene: errors at each step size, the largest usable step [s].
 #[derive(Clone, Debug)]
 struct Row {
     errors: [Option<Errors>; STEPS.len()],
     usable: f64,
 }
 
-/// Index of 1 ms and of 20 ms among the steps.
+/// Indices of 1 ms and of 20 ms in the list of steps.
 const MILLISECOND: usize = 2;
 const LONG: usize = 4;
 
@@ -148,14 +148,14 @@ impl Row {
         Self { errors, usable: largest_usable(fmus, scene, name, reference) as f64 * FINEST }
     }
 
-    /// Cells of the table, with the errors of an earlier measurement beside them.
+    /// Cells of the table, each with the error of an earlier measurement.
     fn cells(&self, earlier: &Value) -> Vec<String> {
-        let beside = |k: usize| match earlier[k].as_str() {
+        let earlier_error = |k: usize| match earlier[k].as_str() {
             None | Some("") => String::new(),
             Some(figure) => format!(" <sub>{figure}</sub>"),
         };
         let angle =
-            |(k, e): (usize, &Option<Errors>)| e.map_or("x".into(), |e| format!("{:.1e}", e.angle)) + &beside(k);
+            |(k, e): (usize, &Option<Errors>)| e.map_or("x".into(), |e| format!("{:.1e}", e.angle)) + &earlier_error(k);
         let mut cells: Vec<String> = self.errors.iter().enumerate().map(angle).collect();
         let at_1_ms = self.errors[MILLISECOND];
         let cell = |f: &dyn Fn(Errors) -> String| at_1_ms.map_or("x".into(), f);
@@ -167,7 +167,7 @@ impl Row {
     }
 }
 
-/// The figures asked, beside those measured.
+/// The required values and those measured.
 fn goals(found: &HashMap<(&str, &'static str), Row>) -> String {
     let of = |scene: &'static str, scheme: &'static str| found.get(&(scene, scheme));
     let error = |scene, scheme, step: usize, pick: &dyn Fn(Errors) -> f64| {
@@ -206,7 +206,7 @@ fn goals(found: &HashMap<(&str, &'static str), Row>) -> String {
     String::from("## Figures asked\n\n") + &asked(&figures)
 }
 
-/// Preview where the element model is not exact: errors against its own result in the finest steps.
+/// Preview with an inexact element model: errors relative to its own result in the finest steps.
 fn apart(fmus: &Fmus, scene: &Scene, csv: &mut String) -> Result<String, String> {
     let reference = run(fmus, scene, REFERENCE, FINEST)?;
     let mut out = format!(

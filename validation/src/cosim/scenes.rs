@@ -1,4 +1,4 @@
-//! The scenes of the coupling, which `scenes/coupling.json` holds with their reference values, and one run of a scheme.
+//! The scenes of the coupling from `scenes/coupling.json` with their reference values, and one run of a scheme.
 //!
 //! In: a scene, a scheme, a communication step. Out: errors, energy at the interface, steps. Reference values: an
 //! independent Taylor-series integration of mechanism and circuit as one system.
@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::sync::Arc;
 
 const FILE: &str = include_str!("../../scenes/coupling.json");
-/// Tolerance of both sides, that of the reference runs.
+/// Tolerance of both sides, as in the reference runs.
 const TOLERANCE: (&str, f64) = ("solver.tolerance", 1e-12);
 
 /// A scene.
@@ -21,14 +21,14 @@ pub struct Scene {
     pub name: String,
     /// End of the run [s].
     pub span: f64,
-    /// Time [s], crank angle [rad] and force [N]; none where the element model is not exact.
+    /// Time [s], crank angle [rad] and force [N]; empty if the element model is not exact.
     pub reference: Vec<[f64; 3]>,
-    /// Errors of the angle of an earlier measurement by scheme, at the steps of the table.
+    /// Errors of the angle from an earlier measurement by scheme, at the steps of the table.
     pub earlier: Value,
     gear: Vec<(String, f64)>,
     flags: Vec<(String, bool)>,
     hydraulics: Vec<(String, f64)>,
-    /// Whether the load of the circuit in plain numbers is corrected by what the element model missed.
+    /// Whether the load of the circuit in plain numbers is corrected by the error of the element model.
     corrects: bool,
 }
 
@@ -85,7 +85,7 @@ impl Scene {
     }
 }
 
-/// The FMUs of a pair; without that of the hydraulics, the circuit in plain numbers takes its place.
+/// The FMUs of a pair; the circuit in plain numbers replaces the FMU of the hydraulics if that is None.
 #[derive(Clone, Debug)]
 pub struct Fmus {
     /// `LandingGearRetraction`.
@@ -94,21 +94,21 @@ pub struct Fmus {
     pub hydraulic: Option<Arc<Fmu>>,
 }
 
-/// What one run gives.
+/// Result of one run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Crank angle [rad] and force [N] at every communication point, the start included.
     pub trace: Vec<[f64; 2]>,
-    /// Largest difference of the mechanism's gain of energy from the actuator's work [J].
+    /// Largest difference between the mechanism's gain of energy and the actuator's work [J].
     pub interface: f64,
-    /// Steps of mechanism and actuator for each communication step.
+    /// Average number of steps of mechanism and actuator per communication step.
     pub steps: [f64; 2],
 }
 
 /// Run a scheme over a scene in steps of h [s].
 ///
 /// # Errors
-/// A side refuses a call: the coupling was unstable.
+/// A side returns an error: the coupling was unstable.
 pub fn run(fmus: &Fmus, scene: &Scene, scheme: &str, h: f64) -> Result<Run, String> {
     let mut gear = Gear::start(&fmus.gear, &scene.gear, &scene.flags)?;
     match &fmus.hydraulic {

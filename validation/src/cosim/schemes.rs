@@ -1,44 +1,44 @@
-//! Coupling schemes: one communication step each, by the calls of the two sides alone.
+//! Coupling schemes: one communication step each, by calls of the two sides alone.
 //!
-//! In: a pair, a communication step. Out: the pair at the end of the step. They must not know what the sides are.
+//! In: a pair, a communication step. Out: the pair at the end of the step. Must not depend on the type of the sides.
 //! Sources: Benedikt et al. 2013 (correction by the mean error, NEPCE); Sicklinger et al. 2014 (interface Jacobian).
 use super::pair::{Motion, Pair, Point, Preview, Refused, hermite};
 
-/// How a signal goes on within a step.
+/// Extrapolation of a signal within a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Extrapolation {
-    /// By the polynomial of this degree, at most 2, through the past values.
+    /// By the polynomial of this degree, at most 2, through past values.
     Past(usize),
-    /// By Taylor's series with the rates that the sides tell.
+    /// By the Taylor series with the rates that the sides output.
     Rates,
 }
 
-/// What a scheme does in a communication step.
+/// Kind of a scheme.
 #[derive(Clone, Copy, Debug)]
 pub enum Plan {
-    /// Both sides step at once, with extrapolated inputs; with `corrects` the inputs are held and have the mean over
-    /// the last step, by the trapezoidal rule, less what was given there: NEPCE.
+    /// Both sides step in parallel with extrapolated inputs. With `corrects` the inputs are held, with an addition: the
+    /// mean over the last step by the trapezoidal rule minus the input of that step (NEPCE).
     #[expect(missing_docs, reason = "said above")]
     Jacobi { extrapolation: Extrapolation, corrects: bool },
-    /// The mechanism first, with the force extrapolated so; then the actuator knows how that went.
+    /// The mechanism first, with the force extrapolated; then the actuator, with the mechanism's motion as input.
     GaussSeidel(Extrapolation),
-    /// The actuator first, with the speed extrapolated by its rates; the mechanism has the parabola through the force
-    /// and its rate at the start and the new force.
+    /// The actuator first, with the speed extrapolated by its rates; the mechanism then has the parabola through the
+    /// force and its rate at the start and the new force as input.
     HydraulicsFirst,
-    /// Both sides repeat the step until the force at its end is the one that was assumed, a polynomial of this degree,
-    /// 1 or 2. The end value is the one found (waveform relaxation), or follows from Newton's method with stiffness,
-    /// damping and reduced mass, then the secant method (interface Jacobian). Needs saved states.
+    /// Both sides repeat the step until the force at its end equals the assumed one, a polynomial of degree 1 or 2. The
+    /// next assumed end value is the computed one (waveform relaxation), or follows from Newton's method with
+    /// stiffness, damping and reduced mass, then the secant method (interface Jacobian). Requires saved states.
     #[expect(missing_docs, reason = "said above")]
     Iterated { degree: usize, newton: bool },
-    /// Preview: the actuator knows the mechanism as one element, foresees the motion of both over the next step, and
-    /// hands over a force of the right impulse, as a line or its mean. In two passes the mechanism steps first and the
-    /// actuator follows it; else the actuator keeps the motion foreseen. Without the slope dW/ds the actuator takes
-    /// differences of W in time.
+    /// Preview: from the mechanism as one element the actuator predicts the motion of both over the next step, and
+    /// outputs a force of the correct impulse, as a line or its mean. In two passes the mechanism steps first and the
+    /// actuator follows its motion; in one pass the actuator keeps the predicted motion. Without the slope dW/ds the
+    /// actuator uses differences of W in time.
     #[expect(missing_docs, reason = "said above")]
-    Foreseen { linear: bool, two_passes: bool, with_slope: bool },
-    /// Preview in one pass in a host that passes every output on one step late, whatever feeds through: both sides
-    /// step, then all outputs are read, then all inputs are set. The force is foreseen from the motion foreseen before
-    /// and the element of the step before.
+    Predicted { linear: bool, two_passes: bool, with_slope: bool },
+    /// Preview in one pass in a host that passes every output one step late, independently of the feedthrough: both
+    /// sides step, then all outputs are read, then all inputs are set. The force is predicted from the motion of the
+    /// prediction before and the element of the step before.
     #[expect(missing_docs, reason = "said above")]
     Late { linear: bool },
 }
@@ -48,11 +48,11 @@ const fn jacobi(extrapolation: Extrapolation) -> Plan {
 }
 
 const fn one_pass(linear: bool) -> Plan {
-    Plan::Foreseen { linear, two_passes: false, with_slope: true }
+    Plan::Predicted { linear, two_passes: false, with_slope: true }
 }
 
 const fn two_passes(with_slope: bool) -> Plan {
-    Plan::Foreseen { linear: true, two_passes: true, with_slope }
+    Plan::Predicted { linear: true, two_passes: true, with_slope }
 }
 
 /// Every scheme by its name on the page.
@@ -80,7 +80,7 @@ pub const ALL: [(&str, Plan); 21] = [
     ("preview, two passes, with dW/ds", two_passes(true)),
 ];
 
-/// Past values of a signal at equal steps, the last one first.
+/// Past values of a signal at equal steps, the latest first.
 #[derive(Clone, Copy, Debug, Default)]
 struct History {
     values: [f64; 3],
@@ -93,7 +93,8 @@ impl History {
         self.known = (self.known + 1).min(3);
     }
 
-    /// Value and derivatives at the last value of the polynomial of this degree, or of as many values as are known.
+    /// Value and derivatives, at the latest value, of the polynomial of this degree or through as many values as there
+    /// are.
     fn series(&self, degree: usize, h: f64) -> [f64; 3] {
         let [now, before, first] = self.values;
         match degree.min(self.known - 1) {
@@ -104,7 +105,7 @@ impl History {
     }
 }
 
-/// Rate of the force, and the difference of it from one step to the next over the step.
+/// Rate of the force, and its difference between two steps divided by the step.
 #[derive(Clone, Copy, Debug, Default)]
 struct Rates(Option<f64>);
 
@@ -117,43 +118,43 @@ impl Rates {
         Ok([point.force, rate, second])
     }
 
-    /// The speed with acceleration and jerk under the force with this rate.
+    /// The speed with acceleration and jerk for the force with this rate.
     fn speed(pair: &mut Pair, point: &Point, rate: f64) -> Result<[f64; 5], Refused> {
         let [jerk, mobility] = pair.mechanism.jerk()?;
         Ok([point.motion.speed, point.motion.acceleration, jerk + rate * mobility, 0.0, 0.0])
     }
 }
 
-/// Difference of the assumed force from the one found that ends the iteration [N].
+/// Difference between the assumed and the computed force at which the iteration ends [N].
 const AGREED: f64 = 1e-3;
-/// Most repetitions of a step.
+/// Greatest number of repetitions of a step.
 const MOST: usize = 30;
 
-/// A scheme with its memory of the past.
+/// A scheme with its past values.
 #[derive(Clone, Debug)]
 pub struct Scheme {
     plan: Plan,
     force: History,
     speed: History,
     rates: Rates,
-    /// Inputs of the last step, force and speed, where the next step corrects them.
+    /// Inputs of the last step, force and speed, for the correction in the next step.
     given: Option<[f64; 2]>,
-    /// What the actuator has told since its last step.
-    told: Option<Preview>,
+    /// The actuator's preview since its last step.
+    last_preview: Option<Preview>,
 }
 
 impl Scheme {
-    /// From the communication point `t` to `t + h` [s], both sides having the state at `t`.
+    /// Step from the communication point `t` to `t + h` [s], with both sides at `t`.
     ///
     /// # Errors
-    /// A side refuses a call; an iteration does not converge.
+    /// A side returns an error, or an iteration does not converge.
     pub fn step(&mut self, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
         match self.plan {
             Plan::Jacobi { extrapolation, corrects } => self.jacobi(extrapolation, corrects, pair, t, h),
             Plan::GaussSeidel(extrapolation) => self.gauss_seidel(extrapolation, pair, t, h),
             Plan::HydraulicsFirst => self.hydraulics_first(pair, t, h),
             Plan::Iterated { degree, newton } => self.iterated(degree, newton, pair, t, h),
-            Plan::Foreseen { linear, two_passes, with_slope } => foreseen(linear, two_passes, with_slope, pair, t, h),
+            Plan::Predicted { linear, two_passes, with_slope } => predicted(linear, two_passes, with_slope, pair, t, h),
             Plan::Late { linear } => self.late(linear, pair, t, h),
         }
     }
@@ -224,8 +225,8 @@ impl Scheme {
     fn iterated(&mut self, degree: usize, newton: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
         let point = pair.exchange()?;
         let [force, rate, _] = self.rates.force(pair, &point, h)?;
-        // d(found force)/d(assumed force) = -kappa: the mechanism goes by h^2/6m or h^2/12m further, by h/2m or h/3m
-        // faster for each newton at the end of the line or of the parabola.
+        // d(computed force)/d(assumed force) = -kappa: for each newton at the end of the line or of the parabola the
+        // mechanism moves h^2/6m or h^2/12m further, and is h/2m or h/3m faster.
         let [stiffness, damping] = pair.actuator.compliance()?;
         let mass = pair.mechanism.element()?.mass;
         let [way, gain] = if degree == 1 { [6.0, 2.0] } else { [12.0, 3.0] };
@@ -263,34 +264,34 @@ impl Scheme {
     fn late(&mut self, linear: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
         let Motion { length, speed, .. } = pair.mechanism.motion()?;
         let now = pair.mechanism.element()?;
-        // At the start no host knows anything but the start values: both sides tell them before the first step.
+        // At the start only start values are known: both sides output them before the first step.
         pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
         let present = pair.actuator.preview(now, h, true)?;
-        let foreseen = self.told.unwrap_or(present);
-        let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+        let predicted = self.last_preview.unwrap_or(present);
+        let [force, rate] = if linear { predicted.line } else { [predicted.mean, 0.0] };
         pair.mechanism.set_force([force, rate, 0.0])?;
         pair.step_mechanism(t, h)?;
         pair.step_actuator(t, h)?;
-        // The inputs of the actuator are still those of the step: its own motion, and the element at the beginning.
-        self.told = Some(pair.actuator.preview(now, h, true)?);
+        // The inputs of the actuator are still those of the step: its own motion, and the element at its start.
+        self.last_preview = Some(pair.actuator.preview(now, h, true)?);
         Ok(())
     }
 }
 
-fn foreseen(linear: bool, two_passes: bool, with_slope: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
+fn predicted(linear: bool, two_passes: bool, with_slope: bool, pair: &mut Pair, t: f64, h: f64) -> Result<(), Refused> {
     let Motion { length, speed, .. } = pair.mechanism.motion()?;
     let mut element = pair.mechanism.element()?;
     if !with_slope {
         element.holding_derivative = 0.0;
     }
     pair.actuator.set_motion(length, [speed, 0.0, 0.0, 0.0, 0.0])?;
-    let foreseen = pair.actuator.preview(element, h, !two_passes)?;
-    let [force, rate] = if linear { foreseen.line } else { [foreseen.mean, 0.0] };
+    let predicted = pair.actuator.preview(element, h, !two_passes)?;
+    let [force, rate] = if linear { predicted.line } else { [predicted.mean, 0.0] };
     pair.mechanism.set_force([force, rate, 0.0])?;
     pair.step_mechanism(t, h)?;
     if two_passes {
         let end = pair.mechanism.motion()?;
-        let [from, to] = foreseen.accelerations;
+        let [from, to] = predicted.accelerations;
         let from = Motion { length, speed, acceleration: from };
         let to = Motion { acceleration: to, ..end };
         pair.actuator.set_motion(length, hermite(from, to, h))?;
@@ -303,7 +304,7 @@ fn parabola(value: f64, rate: f64, end: f64, h: f64) -> [f64; 3] {
     [value, rate, 2.0 * (end - value - rate * h) / (h * h)]
 }
 
-/// Value of `coupling.mode` of the actuator that a scheme needs.
+/// Value of `coupling.mode` that a scheme needs in the actuator.
 pub fn mode(name: &str) -> &'static str {
     let words = [("preview, one pass", "preview"), ("preview, delayed", "delayed")];
     words.into_iter().find(|(start, _)| name.starts_with(start)).map_or("follow", |(_, mode)| mode)
@@ -313,5 +314,5 @@ pub fn mode(name: &str) -> &'static str {
 pub fn by_name(name: &str) -> Option<Scheme> {
     let (_, plan) = *ALL.iter().find(|(own, _)| *own == name)?;
     let (force, speed, rates) = Default::default();
-    Some(Scheme { plan, force, speed, rates, given: None, told: None })
+    Some(Scheme { plan, force, speed, rates, given: None, last_preview: None })
 }

@@ -1,34 +1,34 @@
-//! A mechanism in the engine against its closed form, position by position, and against its motion by Lagrange's
+//! A mechanism in the engine compared with its closed form at each position, and with its motion by Lagrange's
 //! equation.
 //!
 //! Positions: all angles and positions in slides against the closed form at the engine's own coordinate. Speeds and
-//! accelerations likewise. Reactions: Newton and Euler's equations of every body, in which the engine's reactions act
-//! and the accelerations are those of the closed form. Motion: the coordinate against Lagrange's equation.
+//! accelerations likewise. Reactions: the Newton-Euler equations of every body with the engine's reactions and the
+//! accelerations of the closed form. Motion: the coordinate against Lagrange's equation.
 use super::angle_apart;
 use super::jet::{Jet, Vector};
 use super::lagrange::{End, Motion, Place};
 use super::sketch::{Coordinate, Joint, Miss, Sketch};
 use linkage_fmu::simulation::{Simulation, SimulationError};
 
-/// How far an engine's run is off.
+/// Errors of an engine's run.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Off {
-    /// Largest error of a position: of an angle [rad], or of a place as a part of the mechanism's size, over what the
-    /// coordinate makes of it.
+    /// Largest error of a position: of an angle [rad], or of a point relative to the mechanism's size, divided by the
+    /// error due to the rounding of the coordinate.
     pub position: f64,
     /// Largest error of a speed or an acceleration, relative to the largest one.
     pub rates: f64,
-    /// Largest force that is left over in Newton and Euler's equations of a body, as a part of the largest so far.
+    /// Largest residual force in the Newton-Euler equations of a body, relative to the largest force so far.
     pub balance: f64,
-    /// Largest error of the coordinate [rad, or parts of the size] and its speed, relative to the largest one.
+    /// Largest error of the coordinate [rad, or relative to the size] and its speed, relative to the largest one.
     pub motion: f64,
-    /// What a state moved by the tolerance makes of the motion, where `motion` over it is largest.
+    /// Effect on the motion of a state displaced by the tolerance, where the ratio of `motion` to it is largest.
     pub moved: f64,
-    /// Largest `motion` over the greater of the tolerance and `moved`.
+    /// Largest ratio of `motion` to the greater of the tolerance and `moved`.
     pub ratio: f64,
-    /// Largest `motion` over the tolerance alone.
+    /// Largest ratio of `motion` to the tolerance alone.
     pub plain: f64,
-    /// Samples that were judged.
+    /// Number of compared samples.
     pub samples: u32,
 }
 
@@ -40,13 +40,15 @@ impl Off {
     }
 }
 
-/// Error of the reference's own integration.
+/// Error of the reference integration itself.
 const OWN: f64 = 1e-12;
-/// Distance of two motions from which on nothing can be said.
+/// Distance of two motions above which a comparison has no significance.
 const LOST: f64 = 1e-3;
-/// Speed of a body's angle over that of the coordinate at a dead centre of the coordinate, and above.
+/// Ratio of a body's angular speed to the speed of the coordinate from which on the coordinate counts as at a dead
+/// centre.
 const DEAD: f64 = 1e3;
-/// Error over what a moved start leads to, above which states on the way are moved too, and the number of these.
+/// Ratio of the error to the effect of a displaced start above which states during the motion are displaced too, and
+/// the number of these states.
 const SUSPECT: f64 = 10.0;
 const PLACES: usize = 12;
 
@@ -57,7 +59,7 @@ pub fn open(text: &str) -> Result<Simulation, SimulationError> {
     Ok(run)
 }
 
-/// Names of what is read from the engine.
+/// Names of the outputs read from the engine.
 pub struct Names {
     value: String,
     joints: Vec<Joint>,
@@ -78,18 +80,18 @@ fn get(run: &mut Simulation, name: &str) -> Result<f64, String> {
     run.get(name).map_err(|e| format!("{name}: {e}"))
 }
 
-/// Value, rate and second rate of an angle or a position in the engine.
+/// Value and first and second time derivative of an angle or a position in the engine.
 fn rates(run: &mut Simulation, name: &str) -> Result<[f64; 3], String> {
     let stem = name.trim_end_matches(".angle").trim_end_matches(".position");
     Ok([get(run, name)?, get(run, &format!("{stem}.speed"))?, get(run, &format!("{stem}.acceleration"))?])
 }
 
-/// The difference of two values of the sketch's coordinate, whole turns left out [rad, or parts of the size].
+/// The difference of two values of the sketch's coordinate, without whole turns [rad, or relative to the size].
 fn apart(sketch: &Sketch, a: f64, b: f64) -> f64 {
     sketch.apart(a, b) / sketch.scale()
 }
 
-/// The parameter at which the coordinate has a value, next to a guess.
+/// The parameter at which the coordinate has a value, near a guess.
 fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
     let mut s = guess;
     for _ in 0..8 {
@@ -100,8 +102,8 @@ fn parameter(sketch: &Sketch, value: f64, guess: f64) -> Result<f64, Miss> {
 }
 
 /// Compare positions, rates and reactions of the present state; `s` is the parameter of the reference, `strongest` the
-/// largest force so far. None at a dead centre of the coordinate, where it does not tell the rates, and outside the
-/// closed form.
+/// largest force so far. None at a dead centre of the coordinate, where its rate does not determine the others, and
+/// outside the range of the closed form.
 fn state(
     sketch: &Sketch,
     run: &mut Simulation,
@@ -122,7 +124,7 @@ fn state(
     let mut off = Off::default();
     let size = sketch.size();
     let mut judge = |[x, v, a]: [f64; 3], jet: Jet, scale: f64, is_angle: bool| {
-        // An error of the rounding of the coordinate moves the parameter, and so all others.
+        // A rounding error of the coordinate displaces the parameter, and with it all other quantities.
         let lever = 1.0 + (jet.slope() / own.slope()).abs() / scale * sketch.scale();
         let apart = if is_angle { angle_apart(x, jet.value()) } else { x - jet.value() };
         let (w, b) = (jet.slope() * rate, jet.slope() * second + jet.bend() * rate * rate);
@@ -161,8 +163,8 @@ fn state(
     Ok(Some(off))
 }
 
-/// What is left over in Newton and Euler's equations of the bodies under the engine's reactions, as a part of the
-/// largest force so far, which is kept in `strongest`.
+/// Residual force in the Newton-Euler equations of the bodies with the engine's reactions, relative to the largest
+/// force so far, which is kept in `strongest`.
 fn balance(
     sketch: &Sketch,
     run: &mut Simulation,
@@ -214,7 +216,7 @@ fn balance(
     Ok(worst / *strongest)
 }
 
-/// Distance of two motions at one time: of their coordinates and of their speeds, over the fastest.
+/// Distance of two motions at one time: of their coordinates and of their speeds relative to the largest speed.
 fn between(sketch: &Sketch, one: &Motion<'_>, other: &Motion<'_>, fastest: f64) -> Result<f64, Miss> {
     let [near, moved] = [one, other].map(|motion| {
         let value = Place::of(sketch, motion.state[0])?.value(sketch);
@@ -224,14 +226,14 @@ fn between(sketch: &Sketch, one: &Motion<'_>, other: &Motion<'_>, fastest: f64) 
     Ok(apart(sketch, x, y).abs().max((v - w).abs() / fastest))
 }
 
-/// The farthest that a state moved by the tolerance at one of some instants of a motion, `h` apart, leads from its
-/// last.
-fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
+/// Largest distance from the last state of a motion if the state at one of several times, `h` apart, is displaced by
+/// the tolerance.
+fn largest_effect(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64) -> f64 {
     let Some((last, before)) = track.split_last() else { return 0.0 };
     let mut farthest = 0.0_f64;
     for k in 0..PLACES {
         let from = k * before.len() / PLACES;
-        let Some(mut moved) = before.get(from).map(|motion| motion.nudged(sketch.tolerance)) else { continue };
+        let Some(mut moved) = before.get(from).map(|motion| motion.perturbed(sketch.tolerance)) else { continue };
         if (from..before.len()).all(|_| moved.advance(h) == End::Reached) {
             farthest = farthest.max(between(sketch, last, &moved, fastest).unwrap_or(0.0));
         }
@@ -239,14 +241,14 @@ fn moved_on_the_way(sketch: &Sketch, track: &[Motion<'_>], h: f64, fastest: f64)
     farthest
 }
 
-/// How a step of the engine is made.
+/// A function that makes a step of the engine.
 pub type Step<'a> = dyn FnMut(&mut Simulation, f64) -> Result<(), SimulationError> + 'a;
 
 /// Run a sketch over a span in equal steps and compare after each.
 pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &mut Step<'_>) -> Result<Off, String> {
     let names = Names::of(sketch);
     let mut one = Motion::new(sketch);
-    let mut other = one.nudged(sketch.tolerance);
+    let mut other = one.perturbed(sketch.tolerance);
     let mut track = vec![one.clone()];
     let mut off = Off::default();
     let (mut fastest, mut strongest) = (0.0_f64, 0.0_f64);
@@ -268,7 +270,7 @@ pub fn run(sketch: &Sketch, run: &mut Simulation, span: f64, steps: u32, step: &
         let motion = apart(sketch, value, near.value()).abs().max((speed - rate).abs() / fastest);
         let over = |doubt: f64| (motion - OWN).max(0.0) / sketch.tolerance.max(doubt);
         if over(doubt) > SUSPECT {
-            doubt = doubt.max(moved_on_the_way(sketch, &track, h, fastest));
+            doubt = doubt.max(largest_effect(sketch, &track, h, fastest));
         }
         let ratio = over(doubt);
         off.motion = off.motion.max(motion);

@@ -1,7 +1,7 @@
-//! The kinds of `scenes/kinds.json`: lengths as usual with their spread, a closed form in words, bodies and slides.
+//! The kinds of `scenes/kinds.json`: usual lengths with their spread, a closed form as text, bodies and slides.
 //!
-//! In: the file. Out: sketches. A kind `like` another one has all that it does not state itself from that one. Three
-//! kinds whose number of parts is random have a program each.
+//! In: the file. Out: sketches. A kind `like` another one inherits all that it does not state itself. Three kinds with
+//! a random number of parts have a program each.
 use super::expression::Term;
 use super::jet::{Jet, Vector};
 use super::sketch::{Coordinate, Miss, Sketch};
@@ -12,7 +12,7 @@ const FILE: &str = include_str!("../../scenes/kinds.json");
 
 /// A kind of mechanism.
 pub struct Kind {
-    /// As engineers call it.
+    /// Usual name in engineering.
     pub name: String,
     source: Source,
 }
@@ -25,16 +25,16 @@ enum Source {
 /// A name and its term.
 type Named = (String, Term);
 
-/// A kind in words.
+/// A kind as text.
 struct Words {
     name: String,
-    /// Usual lengths; usual angles and by how much they vary.
+    /// Usual lengths; usual angles and their spread.
     lengths: Vec<(String, f64)>,
     angles: Vec<(String, [f64; 2])>,
-    /// What follows from these.
+    /// Values that follow from these.
     values: Vec<Term>,
     start: [f64; 2],
-    /// What follows from the parameter; the last so many are the points.
+    /// Values that follow from the parameter; the last `points` of them are the points.
     steps: Vec<Term>,
     points: usize,
     ground: Vec<usize>,
@@ -42,7 +42,7 @@ struct Words {
     coordinate: Coordinate,
 }
 
-/// A body or a guide, with its name and the point of its origin.
+/// A body or a guide, with its name and the point at its origin.
 struct Part {
     name: String,
     at: usize,
@@ -52,7 +52,7 @@ struct Part {
 enum Shape {
     /// To another point, with further points.
     Rod { end: usize, length: Term, points: Vec<(usize, Term)> },
-    /// On the ground or a body, through a point of it; a guide of the block that is there, or a block of its own.
+    /// On the ground or a body, through a point of it; a guide of the existing block, or a separate block.
     Slide { on: Option<usize>, from: usize, axis: Term, block: Option<usize> },
 }
 
@@ -141,8 +141,8 @@ impl Part {
         !matches!(self.shape, Shape::Slide { block: Some(_), .. })
     }
 
-    /// `name: from to end, length with point local`, `name: point on rail along axis` or `guide name: ...`; a rail is
-    /// a point of the ground, or of a body as `body.point`.
+    /// Parse `name: from to end, length with point local`, `name: point on rail along axis` or `guide name: ...`; a
+    /// rail is a point of the ground, or of a body as `body.point`.
     fn read(
         line: &str,
         before: &[Self],
@@ -176,7 +176,7 @@ impl Part {
     }
 }
 
-/// The number of the last such body among the bodies.
+/// The number of the last body that fulfils a condition.
 fn body_of(parts: &[Part], is_it: impl Fn(&Part) -> bool) -> Result<usize, String> {
     let mut bodies: Vec<&Part> = parts.iter().filter(|part| part.is_body()).collect();
     bodies.iter_mut().rposition(|part| is_it(part)).ok_or_else(|| "there is no such body".into())
@@ -198,7 +198,7 @@ impl Words {
         let mut constants: Vec<Vector> = self.lengths.iter().map(|(_, usual)| real(vary.length(*usual))).collect();
         constants.extend(self.angles.iter().map(|(_, [usual, most])| real(vary.angle(*usual, *most))));
         for term in &self.values {
-            // Neither circles nor lines: these have values.
+            // Neither circles nor lines: these always have values.
             constants.push(term.value(&constants).unwrap_or_default());
         }
         let of = |term: &Term| term.value(&constants).unwrap_or_default();

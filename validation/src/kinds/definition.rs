@@ -1,7 +1,7 @@
 //! The definition of a sketch.
 //!
-//! In: a sketch, places of its points. Out: the text of a definition with a guess from them. It must not know the
-//! engine.
+//! In: a sketch, positions of its points. Out: the text of a definition with a guess from these positions. Must not
+//! depend on the engine.
 use super::jet::{Jet, Vector};
 use super::sketch::{Body, Coordinate, Frame, Miss, Sketch, Slide, Stop};
 use crate::attack::random::Random;
@@ -18,18 +18,18 @@ impl Sketch {
         format!("{}.{local}", body.name)
     }
 
-    /// The text of its definition. The guess is off by `rough`, differently for each number.
+    /// The text of its definition. The errors of the guess are up to `rough`, different for each number.
     pub fn definition(&self) -> Result<String, Miss> {
         Ok(self.definition_at(&(self.places)(Jet::variable(self.start[0]))?))
     }
 
-    /// The definition with a guess from these places, and the speed that follows from the rate at the start.
+    /// The definition with a guess from these positions, and the speed that follows from the rate at the start.
     pub fn definition_at(&self, places: &[Vector]) -> String {
         let slope = self.value(self.coordinate, places, &self.poses(places)).slope();
         self.definition_with(places, slope * self.start[1])
     }
 
-    /// The definition with a guess from these places, and a speed of the coordinate.
+    /// The definition with a guess from these positions, and a speed of the coordinate.
     pub fn definition_with(&self, places: &[Vector], speed: f64) -> String {
         let poses = self.poses(places);
         let mut random = Random::new(self.bodies.len() as u64);
@@ -56,7 +56,7 @@ impl Sketch {
         for (k, joint) in self.joints().into_iter().enumerate() {
             let [first, second] = joint.ends.map(|end| self.point_name(end));
             let mut out = json!({ "type": "revolute", "first": first, "second": second });
-            // Without friction a radius does nothing, and is refused.
+            // Without friction a radius has no effect and is rejected.
             if let (None, Some(radius), Some(_)) = (joint.slide, self.loads.radii.get(k), self.loads.friction) {
                 out["pin_radius"] = json!(radius);
             }
@@ -84,7 +84,7 @@ impl Sketch {
         out.to_string()
     }
 
-    /// A coordinate with a value.
+    /// JSON of a coordinate with a value.
     fn named(&self, coordinate: Coordinate, value: f64) -> Value {
         match coordinate {
             Coordinate::Angle(body) => json!({ "body": self.bodies[body].name, "angle": value }),
@@ -116,7 +116,7 @@ impl Sketch {
             });
         }
         if let Some((on, efficiency)) = self.loads.drive {
-            // That of a slide, or the bearing of the first body.
+            // The joint of a slide, or the bearing of the first body.
             let joint = if let Coordinate::Position(slide) = on { self.slides[slide].name.as_str() } else { "pin0" };
             out["actuators"]["load"] = json!({ "joint": joint, "efficiency": efficiency });
         }

@@ -1,13 +1,16 @@
-//! Pairs of bodies that close a loop, in closed form: circles and lines that meet.
+//! Pairs of bodies that close a loop, in closed form: intersections of circles and lines.
 use super::jet::{Jet, Vector};
 use super::sketch::Miss;
 
-/// Sine of the angle between two bodies below which they count as in one line: there a dyad reaches the end of its
-/// travel, and by what moves it the motion cannot be told.
+/// Sine of the angle between two bodies below which they count as collinear: there a dyad reaches the end of its
+/// travel, and its motion is not determined by that of the driving body.
 const FLAT: f64 = 0.05;
 
-/// The point at the distances `r` from `a` and `s` from `b`: on the left of the line from a to b (side 1) or on its
+/// The point at the distances `r` from `a` and `s` from `b`: to the left of the line from a to b (side 1) or to its
 /// right (side -1).
+///
+/// # Errors
+/// The circles do not intersect, or are nearly tangent.
 ///
 /// # Errors
 /// The circles are apart or one is in the other; or they nearly touch.
@@ -41,7 +44,7 @@ fn clear(square: Jet, size: f64) -> Result<Jet, Miss> {
     }
 }
 
-/// The point of a body that lies from `a` towards `b`, in that body's frame.
+/// The point `local` of a body whose frame has its origin at `a` and its x axis towards `b`, at the distance `length`.
 pub fn on(a: Vector, b: Vector, length: f64, local: Vector) -> Vector {
     a + (1.0 / length) * ((b - a) * local)
 }

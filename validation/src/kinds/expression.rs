@@ -1,7 +1,7 @@
-//! Closed forms in words: sums, products, pairs and functions of named values, all of them points of the plane.
+//! Closed forms as text: sums, products, pairs and functions of named values, all of them points in the plane.
 //!
-//! In: text, the names known before it. Out: a term that gives a value with its derivatives. It must not know what the
-//! names mean.
+//! In: text, the names defined before it. Out: a term that gives a value with its derivatives. Must not depend on the
+//! meaning of the names.
 use super::dyads::{arm, circles, corner, line, on, towards};
 use super::jet::{Jet, Vector};
 use super::sketch::Miss;
@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 type Function = fn(&[Vector]) -> Result<Vector, Miss>;
 
-/// Most arguments of a function.
+/// Greatest number of arguments of a function.
 const MOST: usize = 5;
 
 /// Functions, with the numbers of their arguments.
@@ -40,27 +40,27 @@ const QUOTIENT: Function = |a| Ok(Vector { x: a[0].x / a[1].x, y: a[0].y / a[1].
 const NEGATIVE: Function = |a| Ok(-a[0]);
 const PAIR: Function = |a| Ok(Vector { x: a[0].x, y: a[1].x });
 
-/// What gives a value.
+/// A term that has a value.
 #[derive(Debug)]
 pub enum Term {
     Constant(Vector),
-    /// A value by its place among the names.
+    /// A value by its index among the names.
     Named(usize),
     Call(Function, Vec<Term>),
 }
 
 impl Term {
-    /// Read a term; of names that occur twice the last one counts.
+    /// Parse a term; of duplicate names the last one counts.
     ///
     /// # Errors
-    /// The text is no term, or has an unknown name.
+    /// The text is no term, or contains an unknown name.
     pub fn read(text: &str, names: &[String]) -> Result<Self, String> {
         let mut reader = Reader { rest: text, names };
         let term = reader.sum().map_err(|why| format!("{text}: {why}"))?;
         if reader.rest.trim().is_empty() { Ok(term) } else { Err(format!("{text}: {} is too much", reader.rest)) }
     }
 
-    /// Its value, where the names have these.
+    /// Its value for these values of the names.
     pub fn value(&self, named: &[Vector]) -> Result<Vector, Miss> {
         match self {
             Self::Constant(value) => Ok(*value),
@@ -82,7 +82,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Pass a character, if it is the next one.
+    /// Skip a character if it is the next one.
     fn passes(&mut self, character: char) -> bool {
         self.rest = self.rest.trim_start();
         let rest = self.rest.strip_prefix(character);
@@ -94,7 +94,7 @@ impl Reader<'_> {
         if self.passes(character) { Ok(()) } else { Err(format!("no {character} before {}", self.rest)) }
     }
 
-    /// Operands with these operators between them, from left to right.
+    /// Operands separated by these operators, from left to right.
     fn chain(
         &mut self,
         operators: [(char, Function); 2],

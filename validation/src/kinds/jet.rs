@@ -1,8 +1,8 @@
-//! Values with their first and second derivative by one parameter, and points of the plane made of them: complex
-//! numbers, whose product turns and stretches.
+//! Values with their first and second derivative with respect to one parameter, and points in the plane with such
+//! components as complex numbers, whose product rotates and scales.
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value, its derivative and its second derivative by the parameter of a closed form.
+/// A value, its derivative and its second derivative with respect to the parameter of a closed form.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Jet(pub [f64; 3]);
 
@@ -25,13 +25,13 @@ impl Jet {
         self.0[2]
     }
 
-    /// A function of this, from its value and its two derivatives.
+    /// A function of this value, from the function's value and its two derivatives.
     fn chain(self, [f, df, ddf]: [f64; 3]) -> Self {
         let [_, d, dd] = self.0;
         Self([f, df * d, df * dd + ddf * d * d])
     }
 
-    /// Square root; of a value > 0.
+    /// Square root of a value > 0.
     pub fn sqrt(self) -> Self {
         let root = self.value().sqrt();
         self.chain([root, 0.5 / root, -0.25 / (root * self.value())])
@@ -57,7 +57,7 @@ impl Jet {
         self * self
     }
 
-    /// Angle of the vector (x, y), this being y.
+    /// Angle of the vector (x, y), where `self` is y.
     pub fn atan2(self, x: Self) -> Self {
         // d(angle) = (x dy - y dx) / r^2; the derivative of that quotient gives the second.
         let ([y, dy, ddy], [x, dx, ddx]) = (self.0, x.0);
@@ -81,7 +81,7 @@ pub struct Vector {
 }
 
 impl Vector {
-    /// A fixed one.
+    /// A constant vector.
     pub fn fixed([x, y]: [f64; 2]) -> Self {
         Self { x: x.into(), y: y.into() }
     }
@@ -91,7 +91,7 @@ impl Vector {
         Self { x: angle.cos(), y: angle.sin() }
     }
 
-    /// Turned by a quarter to the left.
+    /// The vector rotated by a quarter turn to the left.
     pub fn left(self) -> Self {
         Self { x: -self.y, y: self.x }
     }
@@ -101,12 +101,12 @@ impl Vector {
         self.x * other.x + self.y * other.y
     }
 
-    /// Length; of a vector that is not 0.
+    /// Length of a vector that is not 0.
     pub fn norm(self) -> Jet {
         self.dot(self).sqrt()
     }
 
-    /// The values alone.
+    /// The values without derivatives.
     pub fn place(self) -> [f64; 2] {
         [self.x.value(), self.y.value()]
     }
@@ -123,7 +123,7 @@ impl From<Jet> for Vector {
     }
 }
 
-/// An operator of one type with another.
+/// A binary operator between two types.
 macro_rules! operator {
     ($(
         $own:ident $operator:ident $function:ident $other:ident -> $out:ident: $a:ident, $b:ident => $value:expr;

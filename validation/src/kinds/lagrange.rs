@@ -1,33 +1,33 @@
-//! Motion by Lagrange's equation in the parameter of a closed form, with an integration of its own.
+//! Motion by Lagrange's equation in the parameter of a closed form, with a separate integration.
 //!
-//! With the inertia I(s) = sum of m |c'|^2 + J theta'^2 and the generalised force Q: I s'' = Q - I'/2 s'^2. Gragg,
-//! Bulirsch and Stoer's extrapolation of the midpoint rule integrates it.
+//! With the inertia I(s) = sum of m |c'|^2 + J theta'^2 and the generalised force Q: I s'' = Q - I'/2 s'^2. The
+//! extrapolation method of Gragg, Bulirsch and Stoer, based on the midpoint rule, integrates it.
 //!
-//! In: a sketch. Out: the parameter and its rate in time. It must not know the engine.
+//! In: a sketch. Out: the parameter and its rate over time. Must not depend on the engine.
 use super::jet::{Jet, Vector};
 use super::sketch::{Miss, Pose, Sketch, Spring};
 use crate::extrapolation;
 
-/// Most columns of the extrapolation.
+/// Greatest number of columns of the extrapolation.
 const COLUMNS: usize = 8;
 /// Relative error of a step.
 const ERROR: f64 = 2e-14;
-/// Rate after an impact below which the mechanism rests, as part of the largest so far.
+/// Rate after an impact below which the mechanism rests, relative to the largest rate so far.
 const SLOW: f64 = 1e-9;
-/// Rate of an impact without restitution, as part of the largest so far, below which it is a graze: whether the stop is
-/// met at all is then decided by errors of the size of the tolerance.
+/// Rate of an impact without restitution, relative to the largest rate so far, below which the contact is grazing:
+/// errors of the size of the tolerance then decide whether the stop is reached.
 const GRAZE: f64 = 1e-3;
-/// Steps after which a motion is given up: one that its damper makes stiff.
+/// Number of steps after which a motion counts as failed: a damper makes it stiff.
 const STEPS: u32 = 4000;
 /// Steps of the search for an impact.
 const SEARCH: u32 = 60;
 
-/// How a span of time ended.
+/// Result of the integration over a time span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum End {
-    /// At its end.
+    /// The end of the span is reached.
     Reached,
-    /// The motion leaves the range in which the closed form tells it, or is given up.
+    /// The motion leaves the range of the closed form, or the integration has failed.
     Left,
 }
 
@@ -39,16 +39,16 @@ pub struct Motion<'a> {
     pub state: [f64; 2],
     /// Largest rate so far.
     pub fastest: f64,
-    /// Whether a stop holds it.
+    /// Whether a stop holds it at rest.
     pub held: bool,
-    /// Sign of the rate with which it left a stop from rest. Without a damper it comes back to that stop at rest: a
-    /// graze.
+    /// Sign of the rate with which it left a stop from rest. Without a damper it returns to that stop with the rate 0:
+    /// grazing contact.
     released: f64,
     step: f64,
     taken: u32,
 }
 
-/// Everything at one parameter.
+/// Positions of all points and bodies at one parameter.
 pub struct Place {
     pub places: Vec<Vector>,
     pub poses: Vec<Pose>,
@@ -74,7 +74,7 @@ impl Place {
         [inertia, half]
     }
 
-    /// Generalised force at a rate.
+    /// Generalised force at a rate of the parameter.
     pub fn force(&self, sketch: &Sketch, rate: f64) -> f64 {
         let [g, up] = sketch.loads.gravity;
         let mut force = 0.0;
@@ -92,7 +92,7 @@ impl Place {
         force
     }
 
-    /// Pull of a spring at a rate, and the slope of its length.
+    /// Force of a spring at a rate, and the derivative of its length.
     pub fn pull(&self, spring: &Spring, rate: f64) -> [f64; 2] {
         let length = (self.places[spring.end] - Vector::fixed(spring.anchor)).norm();
         let force = spring.stiffness * (length.value() - spring.free) + spring.damping * length.slope() * rate;
@@ -106,16 +106,16 @@ impl Place {
 }
 
 impl<'a> Motion<'a> {
-    /// At the start.
+    /// The motion at its start.
     pub fn new(sketch: &'a Sketch) -> Self {
         let fastest = sketch.start[1].abs();
         Self { sketch, state: sketch.start, fastest, held: false, released: 0.0, step: 1e-3, taken: 0 }
     }
 
-    /// This motion with its state moved by `nudge` and its rate by that part.
-    pub fn nudged(&self, nudge: f64) -> Self {
+    /// This motion with its state changed by `perturbation` and its rate by that fraction.
+    pub fn perturbed(&self, perturbation: f64) -> Self {
         let [s, rate] = self.state;
-        Self { state: [s + nudge, rate * (1.0 + nudge)], ..self.clone() }
+        Self { state: [s + perturbation, rate * (1.0 + perturbation)], ..self.clone() }
     }
 
     fn acceleration(&self, [s, rate]: [f64; 2]) -> Result<f64, Miss> {
@@ -124,7 +124,7 @@ impl<'a> Motion<'a> {
         Ok((place.force(self.sketch, rate) - half * rate * rate) / inertia)
     }
 
-    /// A step; None if it is too long for its error.
+    /// A step; None if its error is too large.
     fn step(&self, h: f64) -> Result<Option<[f64; 2]>, Miss> {
         let scales = [1.0 + self.state[0].abs() * 0.01, self.fastest.max(1e-3)];
         let mut f = |_: f64, y: &[f64; 2]| self.acceleration(*y).map(|a| [y[1], a]);
@@ -133,8 +133,8 @@ impl<'a> Motion<'a> {
         Ok(is_met.then_some(end))
     }
 
-    /// How far the coordinate is beyond a stop; an angle has no jumps of a whole turn, within half a turn of the middle
-    /// of the stops.
+    /// Distance of the coordinate beyond the stop; an angle is continuous, within half a turn of the middle of the
+    /// stops.
     fn beyond(&self, s: f64) -> Result<f64, Miss> {
         let [low, high] = &self.sketch.stops[..] else { return Ok(-1.0) };
         let middle = 0.5 * (low.value + high.value);
@@ -142,7 +142,7 @@ impl<'a> Motion<'a> {
         Ok((low.value - value).max(value - high.value))
     }
 
-    /// Integrate over a span.
+    /// Integrate over a time span.
     pub fn advance(&mut self, span: f64) -> End {
         let mut t = 0.0;
         while self.taken < STEPS {
@@ -158,7 +158,7 @@ impl<'a> Motion<'a> {
                 self.step = 0.5 * h;
                 continue;
             };
-            // A step may go beyond a stop and come back within itself: it is farthest out where it turns.
+            // A step may pass a stop and return: the farthest position is where the motion reverses.
             let turned = !self.sketch.stops.is_empty() && self.state[1] * end[1] < 0.0;
             let (out, farthest) = match turned.then(|| self.turn(h)) {
                 None => (h, end),
@@ -188,7 +188,7 @@ impl<'a> Motion<'a> {
         End::Left
     }
 
-    /// Where the rate changes its sign within a step, and the state there.
+    /// Time of the sign change of the rate within a step, and the state there.
     fn turn(&self, h: f64) -> Option<(f64, [f64; 2])> {
         let (mut low, mut high, mut there) = (0.0, h, self.state);
         for _ in 0..SEARCH {
@@ -206,9 +206,9 @@ impl<'a> Motion<'a> {
         Some((high, there))
     }
 
-    /// Go to the stop that is met within a step, and back from it. The time to it.
+    /// Advance to the impact on the stop within a step and apply the restitution. Returns the time to the impact.
     fn impact(&mut self, h: f64) -> Option<f64> {
-        // Newton's method on the length of the step, between a length that falls short and one that goes beyond.
+        // Newton's method on the length of the step, bracketed by lengths before and beyond the stop.
         let (mut low, mut high, mut at) = (0.0, h, h);
         let mut end = self.state;
         for _ in 0..SEARCH {

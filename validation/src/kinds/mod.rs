@@ -1,8 +1,8 @@
-//! Kinds of mechanisms that engineers draw, each with its closed form: a reference for positions, rates, reactions and
-//! motion that shares nothing with the engine.
+//! Kinds of mechanisms usual in engineering, each with its closed form: a reference for positions, rates, reactions and
+//! motion that is independent of the engine.
 //!
-//! In: usual lengths or random ones. Out: definitions, and how far the engine is off. It must not know how the engine
-//! closes loops, nor how it integrates.
+//! In: usual or random lengths. Out: definitions, and the engine's errors. Must not depend on how the engine closes
+//! loops or integrates.
 mod check;
 mod closed;
 mod definition;
@@ -34,10 +34,10 @@ pub fn all() -> &'static [Kind] {
     })
 }
 
-/// A way of the parameter that is a whole travel: a turn [rad, m].
+/// Change of the parameter over a whole travel: a turn [rad, m].
 const ROUND: f64 = TAU;
 
-/// A kind with usual lengths under gravity, pushed at the start; with stops where its travel is not a whole turn.
+/// A kind with usual lengths under gravity, with a speed at the start; with stops if its travel is not a whole turn.
 pub fn usual(place: usize, kind: &'static Kind) -> Sketch {
     let mut sketch = kind.sketch(&mut Vary::none());
     let mut random = Random::new(place as u64);
@@ -52,7 +52,7 @@ pub fn usual(place: usize, kind: &'static Kind) -> Sketch {
     sketch
 }
 
-/// The difference of two angles, whole turns left out [rad].
+/// The difference of two angles without whole turns [rad].
 pub fn angle_apart(a: f64, b: f64) -> f64 {
     let apart = (a - b).rem_euclid(TAU);
     if apart > PI { apart - TAU } else { apart }

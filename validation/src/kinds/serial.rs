@@ -1,17 +1,17 @@
-//! Kinds of a random number of equal parts: bars of a scissor lift, cylinders of a radial engine, coupled cranks.
+//! Kinds with a random number of equal parts: scissor lift, radial engine, coupled cranks.
 use super::dyads::{arm, line, on};
 use super::jet::{Jet, Vector};
 use super::sketch::Sketch;
 use super::wild::Vary;
 use std::f64::consts::TAU;
 
-/// A kind by the word for it in `scenes/kinds.json`.
+/// A kind by its name in `scenes/kinds.json`.
 type Program = (&'static str, fn(&mut Vary) -> Sketch);
 
 pub const PROGRAMS: [Program; 3] =
     [("scissor", scissor), ("radial_engine", radial_engine), ("coupled_cranks", coupled_cranks)];
 
-/// Bars at the angles phi and pi - phi, pinned in their middles, stage upon stage.
+/// Stages of two bars at the angles phi and pi - phi, pinned in their middles.
 fn scissor(vary: &mut Vary) -> Sketch {
     let bar = vary.length(1.2);
     let stages = vary.count(4, 1, 12);
@@ -31,14 +31,14 @@ fn scissor(vary: &mut Vary) -> Sketch {
     out.slider("carriage", 1, None, 0, 0.0)
 }
 
-/// A master rod and rods on its knuckles.
+/// A master rod, and rods on its knuckle pins.
 fn radial_engine(vary: &mut Vary) -> Sketch {
     let [r, l, knuckle] = [0.06, 0.25, 0.04].map(|usual| vary.length(usual));
     let count = vary.count(5, 3, 9);
     let axis = move |k: usize| TAU * k as f64 / count as f64;
     let local = move |k: usize| [knuckle * axis(k).cos(), knuckle * axis(k).sin()];
     let (slave, long) = (l - knuckle, Jet::from(l));
-    // Points: shaft, throw, master piston, then knuckle and piston of each other cylinder.
+    // Points: shaft, crank pin, master piston, then knuckle pin and piston of each other cylinder.
     let mut out = Sketch::new("RadialEngine", vary.angle(0.7, 3.0), move |t| {
         let o = Vector::default();
         let throw = arm(o, r, t);
@@ -61,7 +61,7 @@ fn radial_engine(vary: &mut Vary) -> Sketch {
     out
 }
 
-/// Cranks with one coupling rod: from the third on, each holds what is held already.
+/// Cranks with one coupling rod: from the third on, each is redundant.
 fn coupled_cranks(vary: &mut Vary) -> Sketch {
     let count = vary.count(3, 3, 6);
     let [d, r] = [1.5, 0.3].map(|usual| vary.length(usual));

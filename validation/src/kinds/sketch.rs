@@ -1,31 +1,31 @@
-//! A mechanism as one draws it: points, bodies between them, slides, and where all points are in closed form.
+//! A mechanism as one draws it: points, bodies between them, slides, and positions of all points in closed form.
 //!
-//! In: lengths, a closed form. Out: places of all bodies with their derivatives by the closed form's parameter, joints.
-//! It must not know how the engine closes loops.
+//! In: lengths, a closed form. Out: poses of all bodies with their derivatives with respect to the closed form's
+//! parameter, joints. Must not depend on how the engine closes loops.
 use super::jet::{Jet, Vector};
 use crate::attack::random::Random;
 
-/// Why a closed form has no value.
+/// Reason why a closed form has no value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Miss {
-    /// The lengths cannot be joined there: circles apart, or one within the other.
+    /// The lengths cannot be assembled there: two circles do not intersect.
     Apart,
-    /// So near a limit of the travel that the parameter of the closed form does not suit.
+    /// So near a limit of the travel that the parameter of the closed form is unsuitable.
     Near,
 }
 
-/// How the frame of a body stands.
+/// Orientation of a body's frame.
 #[derive(Clone, Copy, Debug)]
 pub enum Frame {
     /// Its x axis points from its origin to this point, at this distance [m].
     To(usize, f64),
-    /// Its angle is fixed: a body in a guide on the ground [rad].
+    /// Its angle is constant: a body in a guide on the ground [rad].
     Fixed(f64),
-    /// Its angle is that of another body, and this one more [rad].
+    /// Its angle is that of another body plus this angle [rad].
     With(usize, f64),
 }
 
-/// A body: it has the point of its origin, the other end if its frame has one, and further points in its frame [m].
+/// A body: the points at its origin and, if given, at its other end, and further points in its frame [m].
 #[derive(Clone, Debug)]
 pub struct Body {
     pub name: String,
@@ -37,7 +37,7 @@ pub struct Body {
     pub inertia: f64,
 }
 
-/// A guide on a body or on the ground (None), through its point `from`, in which the origin of the body `block` moves.
+/// A guide on a body or on the ground (None), through its point `from`; the origin of the body `block` moves in it.
 #[derive(Clone, Debug)]
 pub struct Slide {
     pub name: String,
@@ -47,18 +47,18 @@ pub struct Slide {
     pub block: usize,
 }
 
-/// A coordinate of the mechanism by which its motion is stated and judged, that a stop limits or a drive works on.
+/// A coordinate of the mechanism: its motion is compared in it, a stop limits it, a drive acts on it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coordinate {
     /// Angle of a body.
     Angle(usize),
     /// Position in a slide.
     Position(usize),
-    /// Distance of a place of the ground and a point.
+    /// Distance between a fixed point and a point of the mechanism.
     Distance([f64; 2], usize),
 }
 
-/// Spring and damper from a place of the ground to a point.
+/// Spring and damper between a fixed point and a point of the mechanism.
 #[derive(Clone, Copy, Debug)]
 pub struct Spring {
     pub anchor: [f64; 2],
@@ -68,19 +68,19 @@ pub struct Spring {
     pub free: f64,
 }
 
-/// What acts on a mechanism.
+/// Loads on a mechanism.
 #[derive(Clone, Debug, Default)]
 pub struct Loads {
     /// Acceleration [m/s2] and upward direction [rad].
     pub gravity: [f64; 2],
-    /// Body and torque on it [N.m].
+    /// Body, and torque on it [N.m].
     pub torques: Vec<(usize, f64)>,
     pub springs: Vec<Spring>,
     /// Friction in all joints: mu_S, mu_d, V_S, V_d.
     pub friction: Option<[f64; 4]>,
     /// Radii of the pins with friction, in the order of the joints [m].
     pub radii: Vec<f64>,
-    /// What a drive works on, and its efficiency.
+    /// Coordinate that a drive acts on, and its efficiency.
     pub drive: Option<(Coordinate, f64)>,
 }
 
@@ -97,10 +97,10 @@ pub struct Stop {
     pub damping: f64,
 }
 
-/// Places of all points, one after the other, for a value of the parameter.
+/// Positions of all points, in order, for a value of the parameter.
 pub type Places = Box<dyn Fn(Jet) -> Result<Vec<Vector>, Miss>>;
 
-/// Where a body is: origin and angle.
+/// Pose of a body: origin and angle.
 #[derive(Clone, Copy, Debug)]
 pub struct Pose {
     pub origin: Vector,
@@ -113,39 +113,39 @@ pub struct Sketch {
     pub name: &'static str,
     /// Points of the ground.
     pub ground: Vec<(usize, [f64; 2])>,
-    /// Bodies but the ground, in the order of the file.
+    /// Bodies except the ground, in the order of the file.
     pub bodies: Vec<Body>,
     /// Prismatic joints.
     pub slides: Vec<Slide>,
-    /// What the motion is stated and judged by.
+    /// Coordinate in which the motion is defined and compared.
     pub coordinate: Coordinate,
-    /// Where the motion starts: the parameter [rad or m] and its rate.
+    /// Start of the motion: the parameter [rad or m] and its rate.
     pub start: [f64; 2],
-    /// What acts on it.
+    /// Loads.
     pub loads: Loads,
-    /// Stops; of a closed form none, or a lower and an upper one of its coordinate.
+    /// Stops; with a closed form none, or a lower and an upper one of the coordinate.
     pub stops: Vec<Stop>,
     /// The stop with a lock.
     pub lock: Option<usize>,
     /// Tolerance of the engine's integration.
     pub tolerance: f64,
-    /// How far each number of the guess is from the assembled position, at most [rad or parts of the size].
+    /// Greatest error of each number of the guess [rad or relative to the size].
     pub rough: f64,
     /// The closed form.
     pub places: Places,
 }
 
-/// A joint: its name, first and second body (None: ground), and the point of each.
+/// A joint: its name, first and second body (None: ground), and the point on each.
 #[derive(Clone, Debug)]
 pub struct Joint {
     pub name: String,
     pub ends: [(Option<usize>, usize); 2],
-    /// The slide that it is.
+    /// Its slide, if it is prismatic.
     pub slide: Option<usize>,
 }
 
 impl Sketch {
-    /// A mechanism whose points are here; it starts at this parameter, and the first body's angle is its coordinate.
+    /// A mechanism with these points; it starts at this parameter, and its coordinate is the first body's angle.
     pub fn new(name: &'static str, start: f64, places: impl Fn(Jet) -> Result<Vec<Vector>, Miss> + 'static) -> Self {
         Self {
             name,
@@ -163,7 +163,7 @@ impl Sketch {
         }
     }
 
-    /// With these points on the ground.
+    /// Add these points of the ground.
     pub fn ground(mut self, points: &[(usize, [f64; 2])]) -> Self {
         self.ground.extend_from_slice(points);
         self
@@ -175,19 +175,19 @@ impl Sketch {
         self
     }
 
-    /// With a body from a point to another, which may have further points.
+    /// Add a body from one point to another, which may have further points.
     pub fn plate(self, name: &str, from: usize, to: usize, length: f64, points: &[(usize, [f64; 2])]) -> Self {
         self.with(name, from, Frame::To(to, length), points)
     }
 
-    /// With a body in a guide along a line through a point of the ground (None), or of another body.
+    /// Add a body in a guide along a line through a point of the ground (None) or of another body.
     pub fn slider(self, name: &str, at: usize, on: Option<usize>, from: usize, axis: f64) -> Self {
         let (block, guide) = (self.bodies.len(), format!("{name}_guide"));
         let frame = on.map_or(Frame::Fixed(axis), |body| Frame::With(body, axis));
         self.with(name, at, frame, &[]).guided(&guide, on, from, axis, block)
     }
 
-    /// With a guide between bodies that are there.
+    /// Add a guide between existing bodies.
     pub fn guided(mut self, name: &str, on: Option<usize>, from: usize, axis: f64, block: usize) -> Self {
         // The file has joints in the order of their names.
         let name = format!("slide{}_{name}", self.slides.len());
@@ -195,13 +195,13 @@ impl Sketch {
         self
     }
 
-    /// With the motion judged by this coordinate.
+    /// Use this coordinate for the comparison of the motion.
     pub fn by(mut self, coordinate: Coordinate) -> Self {
         self.coordinate = coordinate;
         self
     }
 
-    /// Give every body a mass between these, a centre and a moment of inertia.
+    /// Give every body a random mass in this range, a centre of mass and a moment of inertia.
     pub fn weigh(&mut self, random: &mut Random, [low, high]: [f64; 2]) {
         let size = self.size();
         for body in &mut self.bodies {
@@ -209,12 +209,12 @@ impl Sketch {
         }
     }
 
-    /// The rate of the parameter that gravity gives over the mechanism's size, whatever its masses [1/s].
+    /// The rate of the parameter that results from gravity over the mechanism's size, independent of its masses [1/s].
     pub fn own_motion(&self) -> f64 {
         (9.81 / self.size()).sqrt()
     }
 
-    /// The largest distance of points of a body [m].
+    /// The largest distance between points of a body [m].
     pub fn size(&self) -> f64 {
         let lengths = self.bodies.iter().filter_map(|body| match body.frame {
             Frame::To(_, length) => Some(length),
@@ -224,17 +224,17 @@ impl Sketch {
         lengths.chain(ground).fold(0.0, f64::max)
     }
 
-    /// What its coordinate is measured by: a radian, or the size [m].
+    /// Reference value of its coordinate: a radian, or the size [m].
     pub fn scale(&self) -> f64 {
         if let Coordinate::Angle(_) = self.coordinate { 1.0 } else { self.size() }
     }
 
-    /// The difference of two values of its coordinate, whole turns left out.
+    /// The difference of two values of its coordinate, without whole turns.
     pub fn apart(&self, a: f64, b: f64) -> f64 {
         if let Coordinate::Angle(_) = self.coordinate { super::angle_apart(a, b) } else { a - b }
     }
 
-    /// Where every body is, from the places of the points.
+    /// Poses of all bodies, from the positions of the points.
     pub fn poses(&self, places: &[Vector]) -> Vec<Pose> {
         let mut out: Vec<Pose> = Vec::new();
         for body in &self.bodies {
@@ -248,12 +248,12 @@ impl Sketch {
         out
     }
 
-    /// A point of a body's frame.
+    /// Position of a point of a body's frame.
     pub fn at(pose: &Pose, local: [f64; 2]) -> Vector {
         pose.origin + Vector::fixed(local) * Vector::unit(pose.angle)
     }
 
-    /// Where a point stands in the frame of a body; None if the body has no such point.
+    /// Position of a point in the frame of a body; None if the body has no such point.
     pub fn local(&self, body: Option<usize>, point: usize) -> Option<[f64; 2]> {
         let further = |points: &[(usize, [f64; 2])]| points.iter().find(|(own, _)| *own == point).map(|(_, at)| *at);
         let Some(body) = body.map(|body| &self.bodies[body]) else { return further(&self.ground) };
@@ -264,8 +264,8 @@ impl Sketch {
         }
     }
 
-    /// How far the closed form leaves the points of the bodies from where their lengths have them, and blocks from
-    /// their guides, as a part of the size; None where it has no value.
+    /// Largest distance between the closed form's points and those of the bodies, and between blocks and their guides,
+    /// relative to the size; None where the closed form has no value.
     pub fn gap(&self, parameter: f64) -> Option<f64> {
         let places = (self.places)(Jet::variable(parameter)).ok()?;
         let poses = self.poses(&places);
@@ -296,7 +296,7 @@ impl Sketch {
         self.owners(point).first().copied().flatten()
     }
 
-    /// All joints: a pin wherever bodies share a point, then the slides.
+    /// All joints: a pin where bodies share a point, then the slides.
     pub fn joints(&self) -> Vec<Joint> {
         let bodies = self.bodies.iter().flat_map(|body| {
             let end = if let Frame::To(end, _) = body.frame { Some(end) } else { None };
@@ -320,7 +320,7 @@ impl Sketch {
         out
     }
 
-    /// Value of a coordinate; of a slide the position of the block's origin along the axis, from the point of the
+    /// Value of a coordinate; for a slide the position of the block's origin along the axis, from the point of the
     /// guide.
     pub fn value(&self, coordinate: Coordinate, places: &[Vector], poses: &[Pose]) -> Jet {
         match coordinate {
@@ -334,12 +334,12 @@ impl Sketch {
         }
     }
 
-    /// Whether a body turns as no body before it does.
+    /// Whether a body's rotation is independent of that of all bodies before it.
     pub fn turns(&self, body: usize) -> bool {
         matches!(self.bodies[body].frame, Frame::To(..))
     }
 
-    /// Whether the positions in the slides before it give that in this one: its bodies are joined by them.
+    /// Whether the positions in earlier slides determine that in this slide, as its bodies are connected by them.
     pub fn follows(&self, slide: usize) -> bool {
         let mut group: Vec<Option<usize>> = vec![self.slides[slide].on];
         for _ in 0..slide {
@@ -356,7 +356,7 @@ impl Sketch {
 }
 
 impl Body {
-    /// Give it a mass, a centre and a moment of inertia; a body without an end has this length.
+    /// Give it a mass, a centre of mass and a moment of inertia; a body without an end has this length.
     pub fn weigh(&mut self, mass: f64, length: f64, random: &mut Random) {
         self.mass = mass;
         let length = match self.frame {

@@ -1,12 +1,12 @@
-//! Random mechanisms of the kinds: lengths as usual or random ones about them, masses, loads, starts, and stops within
-//! the travel as the closed form has it.
+//! Random mechanisms of the kinds: usual lengths or random ones near them, masses, loads, starts, and stops within the
+//! travel of the closed form.
 use super::lagrange::Place;
 use super::sketch::{Frame, Miss, Sketch, Spring, Stop};
 use super::{ROUND, all};
 use crate::attack::random::Random;
 use std::f64::consts::PI;
 
-/// Where the lengths of a mechanism come from.
+/// Source of the lengths of a mechanism.
 pub struct Vary {
     random: Option<Random>,
     spread: f64,
@@ -18,7 +18,7 @@ impl Vary {
         Self { random: None, spread: 0.0 }
     }
 
-    /// Random lengths, each up to the part `spread` longer or shorter than usual.
+    /// Random lengths, each longer or shorter than the usual one by up to the fraction `spread`.
     pub fn random(random: Random, spread: f64) -> Self {
         Self { random: Some(random), spread }
     }
@@ -29,7 +29,7 @@ impl Vary {
         self.random.as_mut().map_or(usual, |random| usual * (1.0 + spread * random.within(-1.0, 1.0)))
     }
 
-    /// An angle, up to `most` more or less [rad].
+    /// An angle with a deviation of up to `most` [rad].
     pub fn angle(&mut self, usual: f64, most: f64) -> f64 {
         self.random.as_mut().map_or(usual, |random| usual + most * random.within(-1.0, 1.0))
     }
@@ -40,11 +40,11 @@ impl Vary {
     }
 }
 
-/// Step of the search, as a part of the farthest place.
+/// Step of the search, relative to its greatest distance.
 const STEP: f64 = 0.005;
 
-/// The span of the parameter about the start, at most `most` to each side, in which the closed form has values and the
-/// coordinate changes with the parameter at a tenth of its rate at the start or more.
+/// The range of the parameter about the start, at most `most` to each side, in which the closed form has values and the
+/// derivative of the coordinate is at least a tenth of that at the start.
 pub fn reach(sketch: &Sketch, most: f64) -> [f64; 2] {
     let slope = |s: f64| Place::of(sketch, s).map(|place| place.value(sketch).slope());
     let start = sketch.start[0];
@@ -62,7 +62,8 @@ pub fn reach(sketch: &Sketch, most: f64) -> [f64; 2] {
     })
 }
 
-/// Rigid stops at these parts of the way from the start to the ends of a reach; none if a way is too short.
+/// Rigid stops at these fractions of the distance from the start to the ends of a range; none if a distance is too
+/// short.
 pub fn stops(sketch: &Sketch, reach: [f64; 2], parts: [f64; 2], restitution: f64) -> Vec<Stop> {
     let value = |s: f64| Some(Place::of(sketch, s).ok()?.value(sketch).value());
     let start = sketch.start[0];
@@ -87,13 +88,13 @@ pub fn stops(sketch: &Sketch, reach: [f64; 2], parts: [f64; 2], restitution: f64
 /// Masses of the bodies [kg].
 const MASSES: [f64; 2] = [0.02, 20.0];
 
-/// What was drawn.
+/// A random mechanism.
 pub enum Draw {
     /// A mechanism, and the text of its definition.
     Possible(Box<Sketch>, String),
-    /// The lengths cannot be joined at the start; the guess is that of the usual lengths.
+    /// The lengths cannot be assembled at the start; the guess is that of the usual lengths.
     Impossible(Box<Sketch>, String),
-    /// The start is so near a limit of the travel that the closed form does not suit: nothing is asked.
+    /// The start is so near a limit of the travel that the closed form is unsuitable: nothing is checked.
     Near,
 }
 
@@ -128,7 +129,7 @@ pub fn wild(random: &mut Random) -> (&'static str, Draw) {
             );
         }
     };
-    // Where the coordinate stands still a speed of it says nothing.
+    // Where the derivative of the coordinate is 0, its speed is not defined by the rate.
     if place.value(&sketch).slope().abs() < 0.02 * sketch.scale() {
         return (name, Draw::Near);
     }
@@ -142,7 +143,7 @@ pub fn wild(random: &mut Random) -> (&'static str, Draw) {
     (name, Draw::Possible(Box::new(sketch), text))
 }
 
-/// A torque on a body that turns, and a spring with a damper to a far place.
+/// Add a torque on a rotating body, and a spring with a damper to a far point.
 fn load(sketch: &mut Sketch, random: &mut Random) {
     let (size, count) = (sketch.size(), sketch.bodies.len());
     let weight = 9.81 * sketch.bodies.iter().map(|body| body.mass).sum::<f64>();
@@ -159,7 +160,7 @@ fn load(sketch: &mut Sketch, random: &mut Random) {
         let end = ends[random.below(ends.len())];
         let (away, far) = (random.within(-PI, PI), random.within(6.0, 9.0) * size);
         let stiffness = weight / size * random.decades(0.01, 3.0);
-        // A rate of own_motion * size is damped with about the weight at most.
+        // The damping force at a rate of own_motion * size is about the weight at most.
         let damping =
             weight / (size * sketch.own_motion()) * if random.chance(0.3) { 0.0 } else { random.decades(1e-3, 1.0) };
         let anchor = [far * away.cos(), far * away.sin()];

@@ -1,15 +1,15 @@
-//! The mechanisms under stress, and what a scene changes of them.
+//! The mechanisms of the stress suite, and the changes that a scene makes.
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Value};
 use std::borrow::Cow;
 
-/// A value known from elsewhere.
+/// A reference value from another source.
 pub struct Known {
-    /// When [s].
+    /// Time [s].
     pub time: f64,
-    /// Angle of the coordinate then [rad].
+    /// Angle of the coordinate at that time [rad].
     pub value: f64,
-    /// By how much it may be off [rad].
+    /// Its uncertainty [rad].
     pub within: f64,
 }
 
@@ -19,7 +19,7 @@ pub struct Mechanism {
     pub name: &'static str,
     /// Its file.
     pub text: &'static str,
-    /// Body whose angle states where the mechanism is, through all of its motion, and is measured.
+    /// Body whose angle determines the position through all of the motion, and is compared.
     pub body: &'static str,
     /// Span of a scene [s].
     pub span: f64,
@@ -33,7 +33,7 @@ pub struct Mechanism {
     pub known: &'static [Known],
 }
 
-/// What most rows of the table have, and those with a jib under a cylinder.
+/// Defaults of the rows of the table; those for the mechanisms with a jib under a cylinder.
 const PLAIN: Mechanism = Mechanism {
     name: "",
     text: "",
@@ -46,7 +46,7 @@ const PLAIN: Mechanism = Mechanism {
 };
 const JIB_LIKE: Mechanism = Mechanism { body: "jib", input: "cylinder.force", ..PLAIN };
 
-/// Every mechanism; the gear's span is scene S1's up to its last reference value.
+/// Every mechanism; the gear's span is that of scene S1 up to its last reference value.
 pub static MECHANISMS: [Mechanism; 8] = [
     Mechanism {
         name: "LandingGearRetraction",
@@ -54,7 +54,7 @@ pub static MECHANISMS: [Mechanism; 8] = [
         span: 0.13,
         steps: 130,
         input: "actuator.force",
-        // 34-digit energy quadrature.
+        // Energy quadrature with 34 digits.
         known: &[
             Known { time: 0.02, value: 0.754_575_037_883_200_4, within: 1e-15 },
             Known { time: 0.05, value: 0.509_301_986_703_906_5, within: 1e-15 },
@@ -113,8 +113,8 @@ pub static JIB: &Mechanism = &MECHANISMS[5];
 
 /// Factors on the units of mass, length and time.
 ///
-/// The equations of motion are homogeneous: with every quantity of unit kg^a m^b s^c multiplied by
-/// mass^a length^b time^c the same angles are passed, at `time` times the times.
+/// The equations of motion are homogeneous: with every quantity of unit kg^a m^b s^c multiplied by mass^a length^b
+/// time^c the motion has the same angles at times multiplied by `time`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scaling {
     /// On masses.
@@ -140,23 +140,23 @@ impl Scaling {
     }
 }
 
-/// A mechanism with what a scene changes of it.
+/// A mechanism with the changes of a scene.
 #[derive(Clone)]
 pub struct Case {
     /// The mechanism.
     pub mechanism: &'static Mechanism,
-    /// Its file with changes, instead of its own.
+    /// Its file with changes, if any.
     pub text: Option<String>,
     /// Values of parameters and inputs, before scaling.
     pub set: Vec<(String, f64)>,
     /// Values of Booleans.
     pub flags: Vec<(String, bool)>,
-    /// On all Reals, after that.
+    /// Factors on all Reals, after that.
     pub scaling: Scaling,
 }
 
 impl Case {
-    /// The mechanism as it is.
+    /// The mechanism without changes.
     pub fn of(mechanism: &'static Mechanism) -> Self {
         Self { mechanism, text: None, set: Vec::new(), flags: Vec::new(), scaling: Scaling::ONE }
     }
@@ -190,38 +190,38 @@ impl Case {
         self.turned("upstop.enabled", false).turned("downstop.enabled", false)
     }
 
-    /// The model, at its start.
+    /// The model at its start.
     pub fn model(&self, tolerance: f64) -> Result<Model, String> {
-        let told = |e: linkage_fmu::mechanism::ModelError| e.to_string();
+        let words = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let text = self.text.as_deref().unwrap_or(self.mechanism.text);
         // A guess in metres is no parameter: all lengths are then scaled in the text.
         let guessed = self.mechanism.slide.is_some() && self.scaling.length != 1.0;
         let text = if guessed { Cow::Owned(stretched(text, self.scaling.length)) } else { Cow::Borrowed(text) };
-        let mut model = Model::from_json(&text).map_err(told)?;
+        let mut model = Model::from_json(&text).map_err(words)?;
         for (name, value) in &self.set {
             set(&mut model, name, *value)?;
         }
         for (name, value) in &self.flags {
             let reference = find(&model, name)?;
-            model.set_boolean(reference, *value).map_err(told)?;
+            model.set_boolean(reference, *value).map_err(words)?;
         }
         if self.scaling != Scaling::ONE {
             for (reference, factor) in self.factors(&model, guessed) {
-                let value = model.real(reference).map_err(told)?;
-                model.set_real(reference, value * factor).map_err(told)?;
+                let value = model.real(reference).map_err(words)?;
+                model.set_real(reference, value * factor).map_err(words)?;
             }
         }
-        model.set_tolerance(tolerance).map_err(told)?;
-        model.initialize().map_err(told)?;
+        model.set_tolerance(tolerance).map_err(words)?;
+        model.initialize().map_err(words)?;
         Ok(model)
     }
 
-    /// What each Real that can be set is multiplied by; lengths are not where `stretched` has done it.
+    /// Factor of each Real that can be set; 1 for lengths if `stretched` has scaled them.
     fn factors(&self, model: &Model, stretched: bool) -> Vec<(Reference, f64)> {
         let list = model.variables().list().iter();
         let settable = list.zip(0..).filter(|(v, _)| v.kind == Kind::Real && v.causality != Causality::Output);
         let with_unit = settable.filter_map(|(v, reference)| {
-            // Settings of the integration belong to it, not to the mechanism, and have ranges of their own.
+            // Settings of the solver do not belong to the mechanism and have their own ranges.
             let is_own = matches!(v.start, Some(Value::Real(_))) && !v.name.starts_with("solver.");
             is_own.then_some(())?;
             let done = stretched && matches!(v.unit, Some(Unit::Metre | Unit::KilogramSquareMetre));
@@ -231,14 +231,14 @@ impl Case {
         with_unit.collect()
     }
 
-    /// Name of a variable of the body that is measured.
+    /// Name of a variable of the compared body.
     pub fn own(&self, variable: &str) -> String {
         format!("{}.{variable}", self.mechanism.body)
     }
 }
 
-/// The text of a mechanism with all lengths, points and guesses in metres multiplied, and moments of inertia by the
-/// square; those that the mechanisms with a prismatic joint have.
+/// The text of a mechanism with all lengths, points and guesses in metres multiplied by `length` and moments of inertia
+/// by its square, for the keys that occur in mechanisms with a prismatic joint.
 fn stretched(text: &str, length: f64) -> String {
     const KEYS: [(&str, i32); 7] =
         [("length", 1), ("free_length", 1), ("middle", 1), ("far", 1), ("slide", 1), ("cylinder", 1), ("inertia", 2)];
@@ -254,7 +254,7 @@ fn stretched(text: &str, length: f64) -> String {
             match scaled.collect::<Result<Vec<f64>, _>>() {
                 Ok(scaled) if value.starts_with('[') => format!("{scaled:?}").trim_end_matches(']').to_owned() + rest,
                 Ok(scaled) => format!("{:e}", scaled[0]) + rest,
-                // An object under this key.
+                // The key of an object.
                 Err(_) => part.clone(),
             }
         };

@@ -1,4 +1,4 @@
-//! The stress suite: scenes at the ends of what can be asked for, each with a bound that is derived, and its verdict.
+//! The stress suite: scenes with extreme parameters, each with a derived error bound, and its verdict.
 mod case;
 mod hydraulic;
 mod motion;
@@ -12,35 +12,35 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// One row of the suite.
 pub struct Row {
-    /// Heading under which it stands.
+    /// Heading of its group.
     pub group: &'static str,
     /// The model.
     pub model: &'static str,
-    /// What is done to it.
+    /// What is changed in the model.
     pub what: String,
     /// Relative tolerance.
     pub tolerance: f64,
     /// Communication steps.
     pub steps: u64,
-    /// Words of the refusal that must come, if one must.
+    /// Parts of the expected error message, if one is expected.
     refusal: Option<Vec<String>>,
-    /// Run it, and hold the result against its bounds.
+    /// Run it, and compare the result with its bounds.
     run: Box<dyn Fn() -> Result<Outcome, String> + Sync>,
 }
 
-/// Whether a row is as it must be.
+/// Whether a row passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Within its bounds.
     Holds,
-    /// Refused with the message that it must be refused with.
+    /// Rejected with the expected message.
     Refused,
     /// Neither.
     Fails,
 }
 
 impl Verdict {
-    /// As it is written.
+    /// Its name in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "holds",
@@ -50,9 +50,9 @@ impl Verdict {
     }
 }
 
-/// What came out.
+/// Result of a row.
 pub struct Outcome {
-    /// Error of what is read, and its bound.
+    /// Error of the compared output, and its bound.
     pub error: Option<(f64, f64)>,
     /// Largest energy.drift and its bound [J].
     pub drift: Option<(f64, f64)>,
@@ -60,9 +60,9 @@ pub struct Outcome {
     pub work: Statistics,
     /// Time of the steps on a processor [s].
     pub cpu: f64,
-    /// Why the bounds are what they are, or the message.
+    /// Reason for the bounds, or the message.
     pub why: String,
-    /// Whether it is as it must be.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
@@ -83,9 +83,9 @@ pub fn all() -> Vec<Row> {
     scenes::all().into_iter().chain(hydraulic::all()).collect()
 }
 
-/// Judge rows on `threads` threads; each outcome is told as it comes, with the row's place, and all are returned in
-/// the rows' order.
-pub fn judge(rows: &[Row], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
+/// Evaluate rows in `threads` threads; `report` gets each outcome with the row's index when it is complete. Returns all
+/// outcomes in the order of the rows.
+pub fn judge(rows: &[Row], threads: usize, report: &(dyn Fn(usize, &Outcome) + Sync)) -> Vec<Outcome> {
     let next = AtomicUsize::new(0);
     let work = || {
         let mut done = Vec::new();
@@ -93,7 +93,7 @@ pub fn judge(rows: &[Row], threads: usize, tell: &(dyn Fn(usize, &Outcome) + Syn
             let place = next.fetch_add(1, Ordering::Relaxed);
             let Some(row) = rows.get(place) else { return done };
             let outcome = row.judge();
-            tell(place, &outcome);
+            report(place, &outcome);
             done.push((place, outcome));
         }
     };

@@ -1,33 +1,33 @@
-//! One run of a scene: what it tells and what it costs.
+//! One run of a scene: its results and its cost.
 use super::case::{Case, find, get, set};
 use super::plan::{Force, Plan};
 use cpu_time::ThreadTime;
 use linkage_fmu::mechanism::{Model, Statistics};
 
-/// Places in a run at which energies are looked at.
+/// Number of points in a run at which energies are sampled.
 const LOOKS: u64 = 64;
 
-/// What a run found.
+/// Result of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Run {
-    /// What was read at the end.
+    /// Value of the output at the end.
     pub value: f64,
     /// Largest abs(energy.drift) [J].
     pub drift: f64,
-    /// Largest energy at play: 2 T + force times length, both along sigma [J].
+    /// Largest reference energy: 2 T + force times length, both along sigma [J].
     pub energy: f64,
-    /// Largest potential energy, which is rounded with the rest [J].
+    /// Largest potential energy, which contributes to the rounding errors [J].
     pub potential: f64,
     /// Work of the integration.
     pub work: Statistics,
-    /// Time on the processor, the steps alone [s].
+    /// CPU time of the steps alone [s].
     pub cpu: f64,
-    /// Steps before each look, with angle and speed of the body then.
+    /// Number of steps before each sample, with angle and speed of the body then.
     pub looks: Vec<(u64, f64, f64)>,
 }
 
-/// Run a model from its start through a plan, and read a variable at the end. Calls between the steps are few and
-/// counted with them.
+/// Run a model from its start through a plan, and read a variable at the end. The few calls between the steps are
+/// included in the time.
 pub fn run(case: &Case, model: &mut Model, plan: &Plan, reading: &str) -> Result<Run, String> {
     let mut found = Run::default();
     look(case, model, 0, &mut found)?;
@@ -60,7 +60,8 @@ fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(
     let kinetic = get(model, "energy.kinetic")?;
     found.drift = found.drift.max(get(model, "energy.drift")?.abs());
     found.energy = found.energy.max(2.0 * kinetic + force(case, model, kinetic)? * scale(model)?);
-    // The potential of the input's force, which is not told: force times displacement, some times the linkage's size.
+    // The potential of the input's force is not an output: force times displacement, of several times the linkage's
+    // size.
     let size = model.reduced().map_err(|e| e.to_string())?.linkage().size;
     let of_input = get(model, case.mechanism.input)?.abs() * size;
     found.potential = found.potential.max(get(model, "energy.potential")?.abs() + of_input);
@@ -68,8 +69,8 @@ fn look(case: &Case, model: &mut Model, steps: u64, found: &mut Run) -> Result<(
     Ok(())
 }
 
-/// The larger of abs(sigma_ddot) and the resistance, both from powers over sigma_dot: the rate of T = sigma_dot^2 / 2,
-/// and the drive's power less the rates of all energies. 0 at rest, where they cannot be told so.
+/// The larger of abs(sigma_ddot) and the resistance, both from powers divided by sigma_dot: the rate of T = sigma_dot^2
+/// / 2, and the drive's power minus the rates of all energies. 0 at rest, where these are undefined.
 fn force(case: &Case, model: &mut Model, kinetic: f64) -> Result<f64, String> {
     if kinetic == 0.0 {
         return Ok(0.0);
@@ -88,7 +89,7 @@ fn force(case: &Case, model: &mut Model, kinetic: f64) -> Result<f64, String> {
     Ok(moved.abs().max(lost.abs()) / (2.0 * kinetic).sqrt())
 }
 
-/// The length L of sigma that the tolerance refers to: that of about a radian.
+/// The length L of sigma to which the tolerance refers: about that of a radian.
 pub fn scale(model: &mut Model) -> Result<f64, String> {
     Ok(model.reduced().map_err(|e| e.to_string())?.scale())
 }

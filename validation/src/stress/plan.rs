@@ -1,31 +1,31 @@
-//! How a scene's time is cut into communication steps, and what its input does meanwhile.
+//! Division of a scene's time into communication steps, and the course of its input.
 
-/// How the span is cut.
+/// Division of the span.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cut {
-    /// Into so many equal steps.
+    /// This number of equal steps.
     Equal(u64),
-    /// Into so many steps, their sizes over six decades at random.
+    /// This number of steps with random lengths over six decades.
     Irregular(u64),
-    /// Into so many equal steps, each followed by one of one unit in the last place of the time.
+    /// This number of equal steps, each followed by a step of one unit in the last place of the time.
     Ulps(u64),
-    /// Into so many steps, by turns of 1 us and long.
+    /// This number of steps, alternating between 1 us and long.
     Turns(u64),
 }
 
-/// What the input does.
+/// Course of the input.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Force {
-    /// It stays as stated.
+    /// Constant at its default.
     Stated,
     /// Its sign changes in every step.
     Switching,
-    /// It is stated + a random part of up to this factor of it, another one in every step.
+    /// The default plus a random part of up to this factor times the default, different in every step.
     Noise(f64),
 }
 
 impl Force {
-    /// In a word.
+    /// Its name in the table.
     pub fn word(self) -> &'static str {
         match self {
             Self::Stated => "steady",
@@ -35,7 +35,7 @@ impl Force {
     }
 }
 
-/// The course of a scene.
+/// The steps and the input of a scene.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Its length [s].
@@ -91,7 +91,7 @@ impl Plan {
         }
     }
 
-    /// The input in step `k`, where it is stated to be `stated`.
+    /// The input in step `k`, with the default `stated`.
     pub fn input(&self, k: u64, stated: f64) -> f64 {
         match self.force {
             Force::Stated => stated,
@@ -102,7 +102,7 @@ impl Plan {
     }
 }
 
-/// Number `k` of a fixed sequence that looks random, from 0 to 1: splitmix64 (Steele, Lea, Flood 2014).
+/// Number `k` of a fixed pseudo-random sequence, from 0 to 1: splitmix64 (Steele, Lea, Flood 2014).
 pub fn random(k: u64) -> f64 {
     let mut z = (k + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

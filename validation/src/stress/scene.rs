@@ -1,54 +1,54 @@
-//! A scene: a case, its course, and what is expected of it.
+//! A scene: a case, its course, and the expected result.
 use super::case::{Case, Scaling, get};
 use super::motion::{Run, run, scale, step};
 use super::plan::Plan;
 use super::reference::{Reference, TABLE, amplification, energy_bound};
 use super::{Outcome, Row, Verdict};
 
-/// Bound of an angle above which the motion cannot be foretold at the tolerance: kappa holds for small errors, and an
+/// Bound of an angle above which the motion is not predictable at the tolerance: kappa holds for small errors, and an
 /// error of a radian is as large as the motion itself [rad].
-const FORETOLD: f64 = 1.0;
+const PREDICTABLE: f64 = 1.0;
 
-/// What a scene's outcome is held against.
+/// Expected result of a scene.
 pub enum Expected {
-    /// The angle at the end: the exact value where the mechanism has one, else the engine's at a thousandth of the
-    /// tolerance. Of a scaled case, that of the unscaled one. Bound from [`Reference`].
+    /// The angle at the end: the exact value if the mechanism has one, otherwise the engine's at a thousandth of the
+    /// tolerance; for a scaled case that of the unscaled one. The bound is that of [`Reference`].
     Angle,
-    /// A value in closed form, with its bound and why.
+    /// A value in closed form, with its bound and the reason for it.
     Closed {
-        /// What is read at the end.
+        /// Name of the output at the end.
         reading: String,
         /// Its value.
         value: f64,
-        /// By how much it may be off,
+        /// Its allowed error
         within: f64,
-        /// and by how much more for each step of the integration.
+        /// plus this error per step of the integration.
         each: f64,
-        /// Why.
+        /// Reason for the bound.
         why: String,
     },
-    /// The angle at the end of the same motion stated otherwise.
+    /// The angle at the end of the same motion with another definition of the start.
     Same {
-        /// The other statement.
+        /// The other definition.
         case: Box<Case>,
-        /// Body whose start states it.
+        /// Body whose start defines it.
         body: &'static str,
-        /// By how much the two starts may differ [rad of that body].
+        /// Allowed difference of the two starts [rad of that body].
         apart: f64,
     },
-    /// The energy balance alone: what it may drift by in the energies at play that the run itself shows.
+    /// The energy balance alone: the drift is bounded by the reference energies of the run itself.
     Energy,
-    /// A refusal whose message holds these fragments.
+    /// An error whose message contains these fragments.
     Refusal(Vec<String>),
 }
 
 impl Expected {
-    /// This value of a variable at the end, with a bound and why.
+    /// This value of a variable at the end, with a bound and its reason.
     pub fn closed(reading: &str, value: f64, within: f64, each: f64, why: impl Into<String>) -> Self {
         Self::Closed { reading: reading.into(), value, within, each, why: why.into() }
     }
 
-    /// A refusal with these fragments.
+    /// An error whose message contains these fragments.
     pub fn refusal(fragments: &[&str]) -> Self {
         Self::Refusal(fragments.iter().map(|&f| f.into()).collect())
     }
@@ -56,17 +56,17 @@ impl Expected {
 
 /// One row.
 pub struct Scene {
-    /// Heading under which it stands.
+    /// Heading of its group.
     pub group: &'static str,
-    /// What is done to the mechanism.
+    /// What is changed in the mechanism.
     pub what: String,
     /// The mechanism with its changes.
     pub case: Case,
-    /// Its course; of a scaled case, in its own time.
+    /// Its course; for a scaled case in scaled time.
     pub plan: Plan,
     /// Relative tolerance.
     pub tolerance: f64,
-    /// What must come out.
+    /// The expected result.
     pub expected: Expected,
 }
 
@@ -140,15 +140,15 @@ impl Scene {
 
 impl Run {
     fn judged(&self, error: Option<(f64, f64)>, drift_bound: f64, mut why: String) -> Outcome {
-        // The energies that are summed are each rounded.
+        // Each of the summed energies has a rounding error.
         let drift = (self.drift, drift_bound + 8.0 * f64::EPSILON * self.potential);
         let holds = |(value, bound): (f64, f64)| value <= bound;
-        let foretold = error.is_none_or(|(_, bound)| bound <= FORETOLD);
-        if !foretold {
+        let predictable = error.is_none_or(|(_, bound)| bound <= PREDICTABLE);
+        if !predictable {
             why += "; beyond foretelling, judged by the energy";
         }
         let verdict =
-            if (!foretold || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
+            if (!predictable || error.is_none_or(holds)) && holds(drift) { Verdict::Holds } else { Verdict::Fails };
         Outcome { error, drift: Some(drift), work: self.work, cpu: self.cpu, why, verdict }
     }
 }

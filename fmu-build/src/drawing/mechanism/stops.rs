@@ -6,7 +6,7 @@ use crate::drawing::{Form, Ink, Point, Shape, Weight};
 use linkage_fmu::mechanism::inspection::{On, SweptStop};
 
 impl Draft<'_> {
-    /// Bodies where they reach a stop.
+    /// Draw the bodies at the positions in which they reach a stop.
     pub fn stops(&mut self, stops: &[SweptStop]) {
         let scene = self.scene;
         for met in stops {

@@ -1,39 +1,39 @@
-//! The elements of an XML file as a list, without those that are deep in others.
+//! The elements of an XML file as a list, without deeply nested elements.
 
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 use std::collections::BTreeMap;
 
-/// Elements around the deepest one that is read, without the root.
+/// Largest number of parent elements without the root.
 const DEEPEST: usize = 3;
 
 /// An element.
 pub struct Element {
     pub name: String,
-    /// Names of the elements around it, without the root.
+    /// Names of the parent elements, without the root.
     pub path: Vec<String>,
-    /// Attribute `name` of the element around it.
+    /// Attribute `name` of the parent element.
     pub of: String,
     pub attributes: BTreeMap<String, String>,
 }
 
 impl Element {
-    /// Value of an attribute, empty where it is missing.
+    /// Value of an attribute. Empty if it is missing.
     pub fn get(&self, name: &str) -> &str {
         self.attributes.get(name).map_or("", String::as_str)
     }
 
-    /// Value of an attribute that is a number.
+    /// Value of a numeric attribute.
     pub fn number(&self, name: &str) -> Option<f64> {
         self.attributes.get(name)?.trim().parse().ok()
     }
 }
 
-/// The elements in their order, the root first; None where the text is no XML.
+/// The elements in their order. The first one is the root. None if the text is no XML.
 pub fn elements(xml: &str) -> Option<Vec<Element>> {
     let mut reader = Reader::from_str(xml.trim_start_matches('\u{feff}'));
     let mut all = Vec::new();
-    // Name, and attribute `name`, of the elements that are open.
+    // Name and attribute `name` of the open elements.
     let mut open: Vec<(String, String)> = Vec::new();
     loop {
         match reader.read_event().ok()? {

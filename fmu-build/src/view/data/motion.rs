@@ -1,4 +1,4 @@
-//! The motion in time: poses and variables in frames of equal distance.
+//! The motion in time: poses and variables in equally spaced frames.
 
 use super::Wanted;
 use crate::check::FileUnits;
@@ -10,20 +10,21 @@ use linkage_fmu::variables::{Causality, Kind, Reference, Unit, Variable};
 use serde::Serialize;
 use std::collections::HashSet;
 
-/// Frames of a motion in which no body turns far.
+/// Number of frames of a motion in which no body turns far.
 const FRAMES: usize = 300;
-/// Most frames.
+/// Largest number of frames.
 const MOST_FRAMES: usize = 3000;
-/// Angle between two frames [rad] up to which the page's interpolation is good to a part in 2000 of a body's length.
+/// Largest angle between two frames [rad] for which the page's interpolation has an error of at most 1/2000 of a body's
+/// length.
 const TURN: f64 = 0.35;
-/// Most values of variables in a page.
+/// Largest number of values of variables in a page.
 const MOST_VALUES: usize = 600_000;
-/// Most variables of one kind that are plotted from the first.
+/// Largest number of variables of one kind that are plotted at first.
 const PLOTTED: usize = 4;
 
 /// Word for the causality of an output.
 const OUTPUT: &str = "output";
-/// Word for a quantity that depends on the position alone.
+/// Word for a quantity that depends on the position only.
 const POSITION: &str = "position";
 
 /// The motion in time.
@@ -33,13 +34,13 @@ pub struct Motion {
     step: f64,
     /// Number of frames.
     count: usize,
-    /// Time that was asked for [s].
+    /// Requested stop time [s].
     stop_time: f64,
     /// Angle, x and y of each body of the linkage.
     poses: Vec<[Series; 3]>,
     /// Variables.
     variables: Vec<Recorded>,
-    /// Number of variables for which there was no room.
+    /// Number of variables without room.
     left_out: usize,
     /// Names of the variables that are plotted at first.
     plotted: Vec<String>,
@@ -51,7 +52,7 @@ pub struct Recorded {
     /// Name.
     pub name: String,
     description: String,
-    /// Unit; none of a Boolean.
+    /// Unit. None for a Boolean.
     unit: Option<&'static str>,
     /// Display unit and its factor.
     display: Option<(&'static str, f64)>,
@@ -65,12 +66,12 @@ pub struct Recorded {
 struct Frames {
     poses: Vec<Vec<Pose>>,
     columns: Vec<Vec<f64>>,
-    /// Largest angle by which a body turns from one frame to the next [rad].
+    /// Largest angle by which a body turns between two frames [rad].
     turn: f64,
 }
 
 impl Motion {
-    /// Run the simulation from its start. The second value says why it ended before its time, if it did.
+    /// Run the simulation from its start. The second value is the reason for an early end, if there is one.
     ///
     /// # Errors
     /// There is no start, or a variable has no value.
@@ -80,12 +81,12 @@ impl Motion {
         wanted: &Wanted,
         units: &FileUnits,
     ) -> Result<(Self, Option<String>), SimulationError> {
-        // What nothing moves is shown at its start, and along its travel.
+        // A mechanism without loads and motion is shown at its start, and along its travel.
         let stop_time = match simulation.model().can_move() {
             true => wanted.stop_time.unwrap_or(simulation.model().experiment().stop_time),
             false => 0.0,
         };
-        // A run of no length is its start.
+        // A run of length 0 is its start.
         let mut count = if stop_time > 0.0 { FRAMES } else { 0 };
         let all = candidates(simulation, scene);
         let mut room = MOST_VALUES / (count + 1);
@@ -127,12 +128,12 @@ impl Motion {
     /// Time of the last frame [s].
     pub fn stop_time(&self) -> f64 {
         let reached = self.step * self.count.saturating_sub(1) as f64;
-        // The last frame is at the stop time, but for rounding.
+        // The last frame is at the stop time, except for rounding.
         if (reached - self.stop_time).abs() < 0.5 * self.step { self.stop_time } else { reached }
     }
 }
 
-/// The unit in which a quantity is shown, and its factor: that of the file, or a display unit.
+/// The unit in which a quantity is shown, and its factor: the unit of the file, or a display unit.
 pub fn display(unit: Unit, units: &FileUnits) -> Option<(&'static str, f64)> {
     unit.display().or_else(|| units.of(unit.name()))
 }
@@ -157,7 +158,7 @@ impl Recorded {
         }
     }
 
-    /// A quantity that depends on the position alone.
+    /// A quantity that depends on the position only.
     pub fn of_position(name: String, unit: Unit, units: &FileUnits, column: &[f64]) -> Self {
         let shown = display(unit, units);
         Self { display: shown, causality: POSITION, ..Self::of_ratio(name, String::new(), unit.name(), column) }
@@ -170,8 +171,9 @@ impl Recorded {
     }
 }
 
-/// Run from the start in equal steps; the frames, and why they end before their time. Once a body turns by more than
-/// `turn` from one frame to the next, only poses are recorded: these frames are too far apart to be shown.
+/// Run from the start in equal steps. Returns the frames, and the reason for an early end. When a body turns by more
+/// than `turn` between two frames, only poses are recorded from then on, because these frames are too far apart to be
+/// shown.
 fn record(
     simulation: &mut Simulation,
     stop_time: f64,
@@ -211,7 +213,7 @@ impl Frames {
     }
 }
 
-/// Variables in the order in which they get room: what the drawing needs, outputs, inputs, parameters.
+/// Variables in the order in which they get room: those of the drawing, outputs, inputs, parameters.
 fn candidates(simulation: &Simulation, scene: &Scene) -> Vec<Reference> {
     let drawn = drawn(scene);
     let list = simulation.model().variables().list();
@@ -229,12 +231,12 @@ fn rank(variable: &Variable, drawn: &HashSet<String>) -> Option<u8> {
         Causality::Output => 1,
         Causality::Input => 2,
         Causality::Parameter | Causality::CalculatedParameter => 3,
-        // The poses tell the same.
+        // The poses contain the same information.
         Causality::Local => return None,
     })
 }
 
-/// Names of the variables that the drawing shows.
+/// Names of the variables in the drawing.
 fn drawn(scene: &Scene) -> HashSet<String> {
     let mut names = HashSet::from(["load_factor".to_owned()]);
     let mut add = |owner: &str, quantities: &[&str]| {
@@ -258,7 +260,7 @@ fn drawn(scene: &Scene) -> HashSet<String> {
     names
 }
 
-/// Names of the variables that are plotted at first: angles, reactions, drives, each kind up to a few.
+/// Names of the variables that are plotted at first: a few angles, reactions and drive forces.
 fn plotted(recorded: &[(Reference, Recorded)], scene: &Scene) -> Vec<String> {
     let outputs = recorded.iter().filter(|(_, recorded)| recorded.causality == OUTPUT);
     let names: HashSet<&str> = outputs.map(|(_, recorded)| recorded.name.as_str()).collect();

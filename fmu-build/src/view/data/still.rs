@@ -1,4 +1,4 @@
-//! A definition that gives no motion, as far as it can be drawn.
+//! Drawing of a definition without a motion, as far as possible.
 
 use linkage_fmu::mechanism::inspection::{Gap, Pose, Scene, attempt};
 use serde::Serialize;
@@ -12,7 +12,7 @@ pub struct Still {
 }
 
 impl Still {
-    /// What can be drawn of a definition; None if its bodies cannot be placed.
+    /// Scene and poses of a definition. None if its bodies cannot be placed.
     pub fn new(text: &str) -> Option<(Scene, Self)> {
         let attempt = attempt(text)?;
         let (poses, is_assembled, gaps) = (attempt.poses, attempt.is_assembled, attempt.gaps);

@@ -1,6 +1,7 @@
-//! The travel without time: poses, coordinates and forces at rest from one end to the other, with what is to be marked.
+//! The travel without time: poses, coordinates and forces at rest from one end to the other, with marked positions.
 //!
-//! In: a model at its start. Out: series over the travel, from the engine. It must not know how anything is drawn.
+//! In: a model at its start. Out: series over the travel from the engine. The module must not know how anything is
+//! drawn.
 
 use super::motion::Recorded;
 use crate::check::FileUnits;
@@ -10,13 +11,13 @@ use linkage_fmu::mechanism::{Model, ModelError};
 use linkage_fmu::variables::{Causality, Reference, Unit};
 use serde::Serialize;
 
-/// Parts of the travel.
+/// Number of parts of the travel.
 const PARTS: usize = 240;
-/// Most series of forces, and of mechanical advantages.
+/// Largest number of series of forces, and of mechanical advantages.
 const MOST: [usize; 2] = [32, 8];
-/// Most marks of one kind.
+/// Largest number of marks of one kind.
 const MARKS: usize = 24;
-/// Quantities of a drive at rest; an angle has the second name.
+/// Quantities of a drive at rest. The second name is that for a rotary drive.
 const OF_DRIVE: [[&str; 2]; 5] = [
     ["holding_force", "holding_torque"],
     ["breakaway_force_forward", "breakaway_torque_forward"],
@@ -49,19 +50,19 @@ pub struct Travel {
     equilibria: Vec<Mark>,
 }
 
-/// A stop that is met.
+/// A stop that is reached.
 #[derive(Clone, Debug, Serialize)]
 struct Met {
     stop: usize,
-    /// From 0 at the low end to 1 at the high end.
+    /// Position from 0 at the low end to 1 at the high end.
     at: f64,
     poses: Vec<Pose>,
 }
 
-/// A place of the travel with what it is.
+/// A marked position of the travel, with its name.
 #[derive(Clone, Debug, Serialize)]
 struct Mark {
-    /// From 0 at the low end to 1 at the high end.
+    /// Position from 0 at the low end to 1 at the high end.
     at: f64,
     name: String,
 }
@@ -109,7 +110,7 @@ impl Travel {
     }
 }
 
-/// Marks in the order of the travel, those at one place as one.
+/// Marks in the order of the travel. Marks at one position are joined.
 fn together(places: impl Iterator<Item = (f64, String)>) -> Vec<Mark> {
     let mut places: Vec<_> = places.collect();
     places.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -134,7 +135,7 @@ fn positions(sweep: &Sweep, units: &FileUnits) -> Vec<Recorded> {
     coordinates.chain(drives).collect()
 }
 
-/// The first drive whose force is an input: its name, and the input.
+/// The first drive whose force is an input: its name, and the reference of the input.
 fn holder(model: &Model, scene: &Scene) -> Option<(String, Reference)> {
     scene.actuators.iter().find_map(|drive| {
         let inputs = ["force", "torque"].into_iter();
@@ -146,7 +147,7 @@ fn holder(model: &Model, scene: &Scene) -> Option<(String, Reference)> {
     })
 }
 
-/// Forces at rest, while the first drive holds the mechanism; none of a mechanism with more states than position and
+/// Forces at rest, while the first drive holds the mechanism. None for a mechanism with more states than position and
 /// speed.
 fn at_rest(model: &mut Model, scene: &Scene, sigma: &[f64], units: &FileUnits) -> Vec<Recorded> {
     let of_drives = scene.actuators.iter().flat_map(|drive| {
@@ -167,17 +168,17 @@ fn at_rest(model: &mut Model, scene: &Scene, sigma: &[f64], units: &FileUnits) -
     }
     references.truncate(MOST[0]);
     let holder = holder(model, scene).map(|(_, input)| input);
-    // A drive that prescribes the motion holds the mechanism as any other.
+    // A drive with a prescribed motion can hold the mechanism like any other drive.
     let mut free = model.clone();
     for drive in &scene.actuators {
         if let Some(prescribes) = model.variables().find(&format!("{}.motion.enabled", drive.name)) {
-            // Where it may not change, there are no forces at rest.
+            // If the prescribed motion cannot be switched off, there are no forces at rest.
             let _ = free.set_boolean(prescribes, false);
         }
     }
     let Ok(columns) = free.at_rest(sigma, &references, holder) else { return Vec::new() };
     let variables = model.variables();
-    // Without friction a drive breaks away at its holding force.
+    // Without friction the breakaway force of a drive is its holding force.
     let is_same = |k: usize| {
         let name = |k: usize| variables.get(references[k]).map_or("", |variable| variable.name.as_str());
         name(k).contains(".breakaway_")
@@ -193,8 +194,8 @@ fn is_plotted(name: &str) -> bool {
     OF_DRIVE.iter().take(3).flatten().any(|quantity| name.ends_with(&format!(".{quantity}")))
 }
 
-/// Mechanical advantages: the force or torque along a coordinate for each unit of force of a drive, by virtual work the
-/// displacement of the drive for each unit of the coordinate.
+/// Mechanical advantages: the force or torque along a coordinate per unit of drive force. By virtual work this is the
+/// displacement of the drive per unit of the coordinate.
 fn advantages(sweep: &Sweep, scene: &Scene) -> Vec<Recorded> {
     let is_ground = |on: &On| on.frame == 0;
     let of_ground = |name: &str| {

@@ -1,28 +1,28 @@
-//! The experiment that the command line asks for: stop time and start values.
+//! The experiment of the command line: stop time and start values.
 
 use crate::start_values::parse;
 use anyhow::{Context, Result, anyhow, bail};
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::{Reference, Value};
 
-/// What is asked for.
+/// The requested experiment.
 #[derive(Clone, Debug, Default)]
 pub struct Wanted {
-    /// Stop time [s]; that of the definition's experiment if there is none.
+    /// Stop time [s]. None: that of the default experiment of the definition.
     pub stop_time: Option<f64>,
     /// Names and values, as written.
     start_values: Vec<String>,
-    /// Names and values of the run to be compared, set after those.
+    /// Names and values of the run to compare, set after the start values.
     changed: Vec<String>,
-    /// Further start values.
+    /// Additional start values.
     values: Vec<(Reference, Value)>,
 }
 
 impl Wanted {
-    /// A stop time and a list of names, each followed by its value.
+    /// From a stop time, and a list of names with their values.
     ///
     /// # Errors
-    /// The time is no time.
+    /// The stop time is no valid time.
     pub fn new(stop_time: Option<f64>, start_values: &[String]) -> Result<Self> {
         if let Some(time) = stop_time.filter(|time| !(time.is_finite() && *time >= 0.0)) {
             bail!("--stop-time {time}: must be a time in s, >= 0");
@@ -30,13 +30,13 @@ impl Wanted {
         Ok(Self { stop_time, start_values: start_values.to_vec(), ..Self::default() })
     }
 
-    /// The same with these start values, in the order of the variables.
+    /// The same experiment with these start values, in the order of the variables.
     #[must_use]
     pub fn with(self, values: Vec<(Reference, Value)>) -> Self {
         Self { values, ..self }
     }
 
-    /// The same with more start values, as written, which take the place of others for the same variables.
+    /// The same experiment with more start values, as written, which replace previous values of the same variables.
     #[must_use]
     pub fn compared(self, changed: &[String]) -> Self {
         Self { changed: changed.to_vec(), ..self }
@@ -45,7 +45,7 @@ impl Wanted {
     /// Set the start values.
     ///
     /// # Errors
-    /// There is no such variable, or it does not take the value.
+    /// A variable does not exist, or rejects the value.
     pub fn set(&self, simulation: &mut Simulation) -> Result<()> {
         let variables = simulation.model().variables();
         let mut all = parse(variables, &self.start_values)?;

@@ -1,17 +1,17 @@
-// Arrows: forces to one scale, torques as arcs to another. All sizes are variables of the model.
+// Arrows: forces on one scale, torques as arcs on another. All sizes are variables of the model.
 
-/** Kinds of arrows: class, words, whether they are shown at first. */
+/** Kinds of arrows: class, label, whether they are shown at first. */
 const KINDS = [
   ["load", "Forces and drives", true],
   ["weight", "Weights", false],
   ["reaction", "Reactions", false],
 ];
-/** Length of the longest arrow as a part of the drawing. */
+/** Length of the longest arrow relative to the drawing. */
 const LONGEST = 0.24;
-/** A peak is drawn up to so many times that length, and no arrow nearer to the edge of the drawing than this [px]. */
+/** Largest length of a peak in this length, and smallest distance of an arrow from the edge of the drawing [px]. */
 const [MOST, EDGE] = [1.6, 8];
 
-/** Path of an arrow from a point along a vector, with a head of this length; pixels. */
+/** Path of an arrow from a point along a vector, with a head of this length [px]. */
 function arrow([x, y], [dx, dy], head) {
   const length = Math.hypot(dx, dy);
   if (!(length > 0.5)) return "";
@@ -23,7 +23,7 @@ function arrow([x, y], [dx, dy], head) {
   return line([[x, y], [bx, by]]) + line([[bx - w * ey, by + w * ex], [tx, ty], [bx + w * ey, by - w * ex]]) + "Z";
 }
 
-/** Paths of shaft and head of an arc about the origin from the right, anticlockwise for a positive angle; pixels. */
+/** Paths of shaft and head of an arc about the origin from the right, anticlockwise for a positive angle [px]. */
 function arc(radius, angle) {
   if (!(Math.abs(angle) > 0.05)) return ["", ""];
   const [sign, size] = [Math.sign(angle), Math.min(Math.abs(angle), 5.6)];
@@ -49,7 +49,7 @@ class Arrows {
     this.measure(data.motion?.count ?? 0);
   }
 
-  /** What acts where. `vector` gives the force in the mechanism frame [N] at poses and a frame of the variables. */
+  /** Arrows of the mechanism. `vector` returns the force [N] in the mechanism frame for poses and a frame. */
   collect(scene) {
     const get = (name) => this.samples.get(name);
     const force = (kind, name, on, sizes, vector) => {
@@ -84,7 +84,7 @@ class Arrows {
     }
   }
 
-  /** Forces at both ends of a drive or a spring; positive sizes times `sign` push the ends apart. */
+  /** Forces at both ends of a drive or a spring. Positive sizes times `sign` push the ends apart. */
   between(scene, connection, sign, get, force, torque) {
     const joint = scene.joints[connection.joint];
     const size = get(`${connection.name}.force`);
@@ -105,7 +105,7 @@ class Arrows {
     }
   }
 
-  /** Sizes to which the arrows are drawn: near the largest, so that a short peak does not take the scale. */
+  /** Reference sizes of the arrows: near the largest size, without short peaks. */
   measure(count) {
     const poses = this.drawing.data.motion?.frames;
     const all = { load: [], weight: [], reaction: [], torque: [] };
@@ -141,13 +141,13 @@ class Arrows {
     element("text", { x: fixed(-length / 2), y: -7, "text-anchor": "middle" }, this.key, withPrefix(size, "N"));
   }
 
-  /** The part of an arrow that there is room for. */
+  /** The part of an arrow that has room. */
   room(from, vector) {
     const { width, height } = this.drawing;
     const length = Math.hypot(...vector);
     let part = (MOST * LONGEST * Math.min(width, height) * this.magnification) / length;
     const ends = [width, height].map((size, k) => (vector[k] > 0 ? size - EDGE - from[k] : from[k] - EDGE));
-    // An arrow from outside the view of a drawing that is zoomed in stays outside.
+    // In a zoomed drawing an arrow from outside of the view stays outside.
     if (from.every((v, k) => v > 0 && v < [width, height][k])) {
       ends.forEach((end, k) => (part = Math.min(part, Math.max(end / Math.abs(vector[k]), 2 * EDGE / length))));
     }

@@ -1,7 +1,7 @@
 // The clock: play, pause, speed, repeat; the time in frames.
 
 const SPEEDS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10];
-/** A whole run lasts about so long at the speed that is chosen first [s]. */
+/** Approximate duration of a whole run at the first speed [s]. */
 const LASTS = 6;
 
 class Clock {
@@ -38,7 +38,7 @@ class Clock {
 
   tick(now) {
     if (!this.isPlaying) return;
-    // After a pause of the browser the motion goes on where it was.
+    // After a pause of the browser the motion continues where it was.
     const passed = this.before === undefined ? 0 : Math.min(now - this.before, 100);
     this.before = now;
     let index = this.index + (passed / 1000 / this.step) * this.speed;

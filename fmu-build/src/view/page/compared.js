@@ -1,4 +1,4 @@
-// The run to be compared: its bodies as dashed outlines over the drawing.
+// The run to compare: its bodies as dashed outlines over the drawing.
 
 class Compared {
   constructor(drawing, other) {

@@ -5,15 +5,15 @@ class Connections {
     Object.assign(this, { drawing, data, scene: data.scene });
   }
 
-  /** Ends of a drive or a spring: its own, or the points of its prismatic joint. */
+  /** Ends of a drive or a spring: its two points, or the points of its prismatic joint. */
   ends(connection) {
     const joint = this.scene.joints[connection.joint];
     return connection.ends ?? (joint?.axis ? [joint.first, joint.second] : undefined);
   }
 
-  /** Drives that are drawn as cylinders, with their least and largest lengths [m]. */
+  /** Drives that are drawn as cylinders, with their smallest and largest lengths [m]. */
   strokes(sources) {
-    // Without stops the travel may take in lengths that no cylinder has; the motion has those that matter.
+    // Without stops the travel may contain impossible lengths of a cylinder. Then the lengths of the motion count.
     const isBounded = this.data.travel?.stops.length || !this.drawing.run.length;
     return this.scene.actuators.flatMap((drive) => {
       const ends = this.ends(drive);
@@ -57,7 +57,7 @@ class Connections {
     });
   }
 
-  /** A cylinder whose rod is as long as the shortest length allows, with the stroke marked beside it. */
+  /** A cylinder whose rod is as long as the smallest length allows. The stroke is marked next to it. */
   drawCylinder({ drive, ends, ...lengths }) {
     const [least, most] = [lengths.least * this.scale, lengths.most * this.scale];
     const group = element("g", { class: "cylinder", "data-drive": drive.name }, this.drawing.layers.cylinders);

@@ -1,9 +1,9 @@
-// The drawing: bodies, joints, ground, stops, paths, gaps, at any poses.
+// The drawing: bodies, joints, ground, stops, paths, gaps, in any poses.
 
 const COLOURS = ["#3f7fc1", "#d98324", "#3a9d6b", "#8c62c0", "#c9506f", "#2598a3", "#94812f", "#6d7f95"];
 
 class Drawing {
-  /** `sources`: poses that the drawing must have room for; `run`: those of the motion; `view`: zoom and shift [px]. */
+  /** `sources`: poses for which the drawing must have room; `run`: those of the motion; `view`: zoom and shift [px]. */
   constructor(svg, data, sources, run, view = { zoom: 1, x: 0, y: 0 }) {
     Object.assign(this, { svg, data, scene: data.scene, sources, run, view, moving: [] });
     this.layers = {};
@@ -14,7 +14,7 @@ class Drawing {
     this.labels = new Labels(this);
     this.arrows = new Arrows(this, data);
     this.connections = new Connections(this, data);
-    // A travel that goes on far beyond the motion is no measure for the drawing of the motion.
+    // A travel far beyond the motion does not determine the scale of the drawing.
     const isLong = data.motion && data.travel?.goes_on.some(Boolean);
     this.rooms = { motion: isLong ? run : sources, travel: sources };
     this.boxes = { motion: this.extents(this.rooms.motion), travel: this.extents(sources) };
@@ -29,7 +29,7 @@ class Drawing {
     this.layout();
   }
 
-  /** Least and largest coordinates of all that moves [m]. */
+  /** Smallest and largest coordinates of all moving parts [m]. */
   extents(sources) {
     const { bodies, joints, actuators, springs } = this.scene;
     const used = bodies.flatMap((body) => (body.points[0].frame === 0 ? [] : [...body.points, body.center]));
@@ -55,7 +55,7 @@ class Drawing {
     return [this.origin[0] + this.scale * x, this.origin[1] - this.scale * y];
   }
 
-  /** Fit the drawing into its element and draw everything anew. */
+  /** Fit the drawing into its element and draw everything again. */
   layout({ width, height } = this.svg.getBoundingClientRect()) {
     if (width < 10 || height < 10) return;
     Object.assign(this, { width, height });
@@ -83,7 +83,7 @@ class Drawing {
     this.arrows.layout();
   }
 
-  /** Put everything at these poses; `index` is the frame of the variables, if there is one. */
+  /** Move everything to these poses. `index` is the frame of the variables, if there is one. */
   show(poses, index) {
     this.poses = poses;
     if (this.scale === undefined) return;
@@ -125,7 +125,7 @@ class Drawing {
       element("title", {}, group, `${body.name}: ${shown(body.mass)} kg`);
       this.follow(group, { frame, at: [0, 0] });
       const corners = this.outline(body);
-      // Where the centre of mass is beside the points, a line leads to it; the body covers the rest.
+      // A line leads to a centre of mass outside of the points. The body covers the rest of the line.
       const [u, v] = corners.reduce(([x, y], p) => [x + p[0] / corners.length, y + p[1] / corners.length], [0, 0]);
       const [x, y] = body.center.at;
       if (body.mass > 0) element("path", { class: "arm", d: line([[u, v], [this.scale * x, -this.scale * y]]) }, group);
@@ -200,7 +200,7 @@ class Drawing {
     element("path", { class: "hatch", d: path }, group);
   }
 
-  /** The axis of a prismatic joint, as far as the joint moves; hatched on the ground. */
+  /** The axis of a prismatic joint over the range of the joint, hatched on the ground. */
   drawRail(joint) {
     let [least, most] = [Infinity, -Infinity];
     for (const poses of this.sources) {
@@ -252,7 +252,7 @@ class Drawing {
     }
   }
 
-  /** The body at each stop that is met, as a dashed outline; a padlock where a lock holds. */
+  /** The body at each reached stop as a dashed outline, and a padlock where a lock holds. */
   drawStops() {
     for (const met of this.data.travel?.stops ?? []) {
       const stop = this.scene.stops[met.stop];
@@ -284,7 +284,7 @@ class Drawing {
     }
   }
 
-  /** A padlock beside the place where a lock holds. */
+  /** A padlock next to the position where a lock holds. */
   drawPadlock(lock, met) {
     const [x, y] = this.at(place(met.poses, lock));
     const at = `translate(${fixed(x - 2.2 * this.half - 6)} ${fixed(y - 2.2 * this.half - 4)})`;
@@ -311,7 +311,7 @@ class Drawing {
     });
   }
 
-  /** Joints that are open, with the length of the gap. */
+  /** Open joints, with the length of the gap. */
   drawGaps() {
     for (const gap of this.data.still?.gaps ?? []) {
       const [a, b] = [this.at(gap.first), this.at(gap.second)];

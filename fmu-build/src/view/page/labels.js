@@ -1,13 +1,14 @@
-// Labels of the drawing: each has places to stand; where two would collide, the less important one moves or hides.
+// Labels of the drawing: each has several possible positions. If two labels collide, the less important one moves or
+// hides.
 
-/** Directions in which a label may stand from its point, the best first, with the anchor of its text. */
+/** Directions of a label from its point, the best first, with the anchor of its text. */
 const SIDES = [[1, -1], [1, 1], [-1, -1], [-1, 1], [0, -1], [0, 1], [1, 0], [-1, 0]];
-/** Distance from which a line leads to a label [px]. */
+/** Distance from which on a line connects a label with its point [px]. */
 const FAR = 30;
 /** Height of a label [px]. */
 const LINE = 15;
 
-/** Widths of labels [px], by class and words: to measure one again would lay the page out once more. */
+/** Widths of labels [px] by class and text: measuring a label again would need another layout of the page. */
 const widths = new Map();
 
 function widthOf(text) {
@@ -29,7 +30,7 @@ class Labels {
     this.obstacles = [];
   }
 
-  /** A label. `anchor(poses)`: its point and how far from it the label stands [px]; the least priority comes first. */
+  /** A label. `anchor(poses)`: its point and its distance [px]. Labels with a smaller priority are placed first. */
   add(layer, className, words, priority, anchor, attributes = {}) {
     const text = element("text", { class: `name ${className}`, ...attributes }, layer, words);
     const leader = element("path", { class: "leader" }, layer);
@@ -38,12 +39,12 @@ class Labels {
     return text;
   }
 
-  /** Something that a label should not cover: a point and its radius [px]. */
+  /** A point with a radius [px] that labels should not cover. */
   avoid(place, radius) {
     this.obstacles.push({ place, radius });
   }
 
-  /** Put all labels where they do not collide. */
+  /** Place all labels without collisions. */
   show(poses) {
     if (!this.isSorted) {
       this.all.sort((a, b) => a.priority - b.priority);
@@ -60,7 +61,7 @@ class Labels {
     }
   }
 
-  /** Put a label at the best of its places; where that is, if there is room. */
+  /** Place a label at the best of its positions. Returns the position, if there is room. */
   put(label, [x, y, distance], taken, points) {
     let best;
     const last = 2 * SIDES.length;
@@ -76,7 +77,7 @@ class Labels {
       if (box[0] < 2 || box[2] > this.drawing.width - 2 || box[1] < 2 || box[3] > this.drawing.height - 2) continue;
       if (taken.some((other) => box[0] < other[2] + 3 && other[0] - 3 < box[2] && box[1] < other[3] && other[1] < box[3])) continue;
       const covered = points.filter(([px, py, r]) => px > box[0] - r && px < box[2] + r && py > box[1] - r && py < box[3] + r).length;
-      // The place of the frame before is kept as long as it is nearly as good.
+      // The previous position is kept as long as it is almost as good.
       const cost = covered * 3 + k * 0.25 + (isFar ? 2 : 0) - (k === label.kept ? 2 : 0);
       if (!best || cost < best.cost) best = { cost, k, box, isFar, from: [x, y], to: [ax, ay] };
     }

@@ -1,17 +1,17 @@
-// Plots over time, over a variable, or over the travel: one for each unit, with a cursor at the present place.
+// Plots over time, over a variable, or over the travel: one plot per unit, with a cursor at the present position.
 
 const LINES = ["#2f7dd1", "#e0812b", "#2ca06b", "#9a62d0", "#d64f74", "#1d9aa8", "#a58a1f", "#7688a0"];
 const HEIGHT = 168;
 const MOST_LINES = 12;
-/** The time, as what is plotted over. */
+/** The time as the horizontal axis. */
 const TIME = { name: "Time", unit: "s", factor: 1 };
-/** The part of the travel, as what is plotted over where no coordinate is better. */
+/** The part of the travel as the horizontal axis, if no coordinate is better. */
 const PART = "Part of the travel";
-/** A peak so many times as high as nearly all values is cut. */
+/** A peak is cut if it is larger than nearly all values by this factor. */
 const PEAK = 8;
 
 class Plots {
-  /** `goTo` moves the time, or the position along the travel, to a sample. */
+  /** `goTo` moves to a sample of the run, or of the travel. */
   constructor(parent, picker, goTo) {
     Object.assign(this, { parent, picker, goTo, plots: [], colours: new Map(), chosen: {}, over: {}, mode: "motion" });
     new ResizeObserver(() => this.resize()).observe(parent);
@@ -23,7 +23,7 @@ class Plots {
     });
   }
 
-  /** Plot these data: the variables that were plotted before, or those that they name. */
+  /** Plot these data: the variables that were plotted before, or those that the data name. */
   load(data) {
     this.data = data;
     this.sources = { motion: Plots.source(data.motion), travel: Plots.source(data.travel) };
@@ -46,7 +46,7 @@ class Plots {
     return { count: source.count, step: source.step, variables, byName: new Map(variables.map((v) => [v.name, v])) };
   }
 
-  /** What is plotted over the travel at first. */
+  /** Variables that are plotted over the travel at first. */
   static ofTravel(travel) {
     const names = travel.values.map(({ name }) => name);
     const masses = names.filter((name) => /\.reduced_(mass|inertia)$/.test(name)).slice(0, 2);
@@ -103,7 +103,7 @@ class Plots {
     return variable.is_boolean ? "true or false" : (variable.display?.[0] ?? variable.unit);
   }
 
-  /** What is plotted over: its words, its unit, and its samples of a run or a travel. */
+  /** The horizontal axis: its label, its unit, and its samples of a run or a travel. */
   axis(source = this.sources[this.mode]) {
     const name = this.over[this.mode];
     const variable = source.byName.get(name);
@@ -116,7 +116,7 @@ class Plots {
     return { ...TIME, samples: Array.from({ length: source.count }, (_, k) => k * source.step) };
   }
 
-  /** Make the plots, or give those that are there other data where they stay the same. */
+  /** Create the plots, or give existing plots new data. */
   build(isOtherRun = false) {
     const source = this.sources[this.mode];
     const groups = new Map();
@@ -148,11 +148,11 @@ class Plots {
       hint.textContent = "Tick variables in the table to plot them.";
       this.parent.append(hint);
     }
-    // The library lays its plots out in a microtask.
+    // The library computes the layout of its plots in a microtask.
     queueMicrotask(() => this.index !== undefined && this.show(this.index));
   }
 
-  /** Places that are marked: x, and words. */
+  /** Marked positions: x, and label. */
   marksOf() {
     const { travel, motion, scene } = this.data;
     const at = (index) => linear(this.x.samples, index);
@@ -247,7 +247,7 @@ class Plots {
     return { plot, now, lines: shownLines, unit: head.textContent, update };
   }
 
-  /** The sample at which x has a value; of several the one that is near the present one. */
+  /** The sample at which x has a value. Of several samples the one next to the present sample. */
   nearest(value, range) {
     const { samples } = this.x;
     const last = samples.length - 1;
@@ -260,7 +260,7 @@ class Plots {
     return best;
   }
 
-  /** Least and largest value, apart by more than rounding. */
+  /** Smallest and largest value, with a distance larger than rounding. */
   static ends(values) {
     let [low, high] = [Infinity, -Infinity];
     for (const value of values) {
@@ -272,7 +272,7 @@ class Plots {
     return high - low > 1e-8 * room ? [low, high] : [low - room, high + room];
   }
 
-  /** Range of an axis: a little more than the values, and never so narrow that rounding fills it; without high peaks. */
+  /** Range of an axis: slightly more than the values without high peaks, and never so narrow that rounding fills it. */
   static range(values, cuts) {
     if (!values.length) return [0, 1];
     let [low, high] = Plots.ends(values);
@@ -283,7 +283,7 @@ class Plots {
     return [low - room, high + room];
   }
 
-  /** Move the cursors to a sample; the numbers in the legends too, if asked for. */
+  /** Move the cursors to a sample. On request also update the numbers in the legends. */
   show(index, withNumbers = true) {
     this.index = index;
     if (!this.x) return;
@@ -313,7 +313,7 @@ class Plots {
   }
 }
 
-/** The coordinate or drive over which a travel is plotted: the first that only rises or only falls. */
+/** The horizontal axis for a travel: the first coordinate or drive that only rises or only falls. */
 function leading(travel) {
   const isSteady = ({ samples }) => {
     const steps = Array.from(samples).slice(1).map((x, k) => x - samples[k]);
@@ -322,7 +322,7 @@ function leading(travel) {
   return travel.values.filter((v) => v.causality === "position").find(isSteady);
 }
 
-/** The sample of a run at which a stop is reached first; -1 if it is not reached, 0 if the run starts there. */
+/** The sample of a run at which a stop is reached first. -1: not reached. 0: the run starts there. */
 function reachedAt(motion, stop) {
   const flag = motion.variables.find((v) => v.name === stop.flag);
   if (!flag) return -1;
@@ -332,7 +332,7 @@ function reachedAt(motion, stop) {
   return exact > first - 1 && exact <= first ? exact : first;
 }
 
-/** Draws a line through points in any order of x; a Boolean in steps. */
+/** Draws a line through points in any order of x. A Boolean is drawn in steps. */
 function drawLine(isStepped) {
   return (u, k) => {
     const [xs, ys] = u.data[k];
@@ -350,7 +350,7 @@ function drawLine(isStepped) {
   };
 }
 
-/** Vertical lines at marked places, with their words where there is room. */
+/** Vertical lines at marked positions, with their labels where there is room. */
 function drawMarks(u, marks, css) {
   const { ctx, bbox } = u;
   const ratio = window.devicePixelRatio || 1;

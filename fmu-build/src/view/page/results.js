@@ -1,6 +1,6 @@
-// Key results of a run: strokes, times, largest forces with their places, work and energy.
+// Key results of a run: strokes, times, largest forces with their positions, work and energy.
 
-/** Rows of results: identity, words, value, unit, and the place of a largest value as words and a sample. */
+/** Rows of results: identity, label, value, unit, and position of a largest value as text and as a sample. */
 function results(data) {
   const { motion, travel, scene } = data;
   if (!motion || !scene) return [];
@@ -69,7 +69,7 @@ function results(data) {
   return rows;
 }
 
-/** Fill the table of key results; a click goes to the place of a value. */
+/** Fill the table of key results. A click moves to the position of a value. */
 function fillResults(panel, data, goTo) {
   const rows = results(data);
   const others = data.compare ? new Map(results(data.compare).map((row) => [row.words, row])) : undefined;

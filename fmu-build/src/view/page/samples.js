@@ -1,6 +1,6 @@
-// Samples: series of numbers as the page carries them, and values between two of them.
+// Samples: series of numbers in the page, and interpolation between them.
 
-/** Values of a series; NaN where there is none. */
+/** Values of a series. NaN stands for a missing value. */
 function readSeries(series, count) {
   const out = new Float64Array(count);
   if (series === null || typeof series === "number") return out.fill(series ?? NaN);
@@ -16,13 +16,13 @@ function readSeries(series, count) {
   return out;
 }
 
-/** Give a variable its samples when they are first read. */
+/** Decode the samples of a variable when they are first read. */
 function readLater(variable, count) {
   const set = (value) => Object.defineProperty(variable, "samples", { value });
   Object.defineProperty(variable, "samples", { configurable: true, get: () => set(readSeries(variable.values, count)).samples });
 }
 
-/** Value between samples by a cubic through the neighbours' slopes: for poses, which are smooth. */
+/** Value between samples by a cubic with the slopes of the neighbours: for poses, which are smooth. */
 function cubic(samples, index) {
   const last = samples.length - 1;
   const i = Math.min(Math.max(Math.floor(index), 0), Math.max(last - 1, 0));
@@ -37,14 +37,14 @@ function cubic(samples, index) {
   return b + u * (p + u * (3 * (c - b) - 2 * p - q + u * (2 * (b - c) + p + q)));
 }
 
-/** Value between samples on a straight line: for variables, which may jump. */
+/** Value between samples by linear interpolation: for variables, which may jump. */
 function linear(samples, index) {
   const i = Math.min(Math.max(Math.floor(index), 0), samples.length - 1);
   const u = index - i;
   return u > 0 && i + 1 < samples.length ? samples[i] + u * (samples[i + 1] - samples[i]) : samples[i];
 }
 
-/** Poses of all bodies in frames, and between them. */
+/** Poses of all bodies in frames, and between frames. */
 class Poses {
   constructor(list, count) {
     this.count = count;
@@ -83,7 +83,7 @@ function grouped(text) {
   return sign + (whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, "\u202f") : whole) + rest;
 }
 
-/** A number for reading, to so many digits. */
+/** A readable number with this number of digits. */
 function shown(value, digits = 5) {
   if (!Number.isFinite(value)) return "–";
   const size = Math.abs(value);
@@ -93,7 +93,7 @@ function shown(value, digits = 5) {
   return grouped(text.replace("-", "−").replace("e-", "e−").replace("e+", "e"));
 }
 
-/** A message whose numbers have six digits at most, unless two of them would become one. */
+/** A message whose numbers have at most six digits, unless two of them would become equal. */
 function brief(text) {
   const pattern = /\d+(\.\d+)?(e[-+]?\d+)?/g;
   const rounded = (number) => (number.replace(/\D/g, "").length > 6 && number.includes(".") ? String(Number(Number(number).toPrecision(6))) : number);
@@ -113,13 +113,13 @@ function length(value, { length: [unit, factor] }, digits = 4) {
   return `${shown(value * factor, digits)} ${unit}`;
 }
 
-/** The number of 1, 2 or 5 times a power of ten that is next below. */
+/** The largest number of 1, 2 or 5 times a power of ten that is not larger. */
 function roundBelow(value) {
   const power = 10 ** Math.floor(Math.log10(value));
   return ([5, 2].find((step) => step * power <= value) ?? 1) * power;
 }
 
-/** A number of this unit with the prefix that suits it. */
+/** A number with this unit and a suitable prefix. */
 function withPrefix(value, unit) {
   const size = Math.abs(value);
   const [factor, prefix] = size >= 1e6 ? [1e-6, "M"] : size >= 1e3 ? [1e-3, "k"] : size >= 1 || size === 0 ? [1, ""] : [1e3, "m"];

@@ -1,11 +1,11 @@
 // Saving and copying: the drawing as SVG and PNG, the plots as PNG, the numbers as CSV.
 
-/** Properties that a drawing needs where there is no style sheet. */
+/** Style properties that a drawing needs without a style sheet. */
 const DRAWN = ["fill", "fill-opacity", "stroke", "stroke-width", "stroke-dasharray", "stroke-linecap", "stroke-linejoin", "opacity", "font-size", "font-weight", "paint-order", "text-anchor"];
-/** Pixels of a PNG for each pixel of the page. */
+/** Pixels of a PNG per pixel of the page. */
 const FINE = 2;
 
-/** A colour that any program reads: mixed colours are computed as `color(srgb ...)`. */
+/** A colour in a form that every program reads: browsers compute mixed colours as `color(srgb ...)`. */
 function plainColour(value) {
   return value.replace(/color\(srgb ([\d.e-]+) ([\d.e-]+) ([\d.e-]+)(?: \/ ([\d.e-]+))?\)/g, (_, r, g, b, a) => {
     const [red, green, blue] = [r, g, b].map((part) => Math.round(255 * Number(part)));
@@ -13,7 +13,7 @@ function plainColour(value) {
   });
 }
 
-/** The drawing as a document of its own. */
+/** The drawing as a separate document. */
 function drawingAsSvg(svg) {
   const { width, height } = svg.getBoundingClientRect();
   const copy = svg.cloneNode(true);
@@ -80,7 +80,7 @@ function plotsAsSvg({ plots, x: over, marks }) {
       write(words, k ? [left - 6, py(split) + 4] : [px(split), y + top + high + 15], { "text-anchor": k ? "end" : "middle" });
     }));
     for (const mark of marks) element("path", { d: line([[px(mark.x), y + top], [px(mark.x), y + top + high]]), stroke: css("--accent"), opacity: 0.5 }, root);
-    // An element of its own cuts off what is outside of it.
+    // A separate element hides the parts outside of it.
     const inside = element("svg", { x: left, y: y + top, width: wide, height: high }, root);
     plot.series.slice(1).forEach(({ stroke, width: thick, dash }, k) => {
       const [xs, ys] = plot.data[k + 1];
@@ -95,7 +95,7 @@ function plotsAsSvg({ plots, x: over, marks }) {
   return new XMLSerializer().serializeToString(root);
 }
 
-/** Numbers as CSV: the variables of the run over time, or those of the travel by its positions. */
+/** Numbers as CSV: the variables of the run over time, or those of the travel over its positions. */
 function asCsv(data, isTravel) {
   const quoted = (text) => `"${text.replaceAll('"', '""')}"`;
   const variables = isTravel ? data.travel.values : data.motion.variables.filter((v) => v.causality !== "parameter");

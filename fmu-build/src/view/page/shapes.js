@@ -13,12 +13,12 @@ function element(name, attributes, parent, text) {
 
 const fixed = (x) => x.toFixed(2);
 
-/** Move a text; a transform needs no new layout of its letters. */
+/** Move a text. A transform needs no new layout of its letters. */
 function moveTo(text, x, y) {
   text.setAttribute("transform", `translate(${fixed(x)} ${fixed(y)})`);
 }
 
-/** Show or hide an element, if that changes anything. */
+/** Show or hide an element, if this is a change. */
 function switchTo(shape, on) {
   if (shape.isShown === on) return;
   shape.isShown = on;

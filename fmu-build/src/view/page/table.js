@@ -10,14 +10,14 @@ class Table {
     this.filter = document.getElementById("filter");
     this.kinds = document.getElementById("kinds");
     this.filter.addEventListener("input", () => this.build());
-    // While the motion plays, only rows in sight are kept up to date.
+    // While the motion plays, only visible rows are updated.
     this.sight = new IntersectionObserver((entries) => entries.forEach(({ target, isIntersecting }) => (target.isInSight = isIntersecting)));
   }
 
   load(data) {
     this.data = data;
     this.isTravel = Boolean(this.isTravel && data.travel);
-    // Rows of the same variables stay: to lay them out anew takes longer than a run.
+    // Rows of unchanged variables are kept: a new layout takes longer than a run.
     if (this.key() === this.built) {
       const byName = new Map(this.list().map((variable) => [variable.name, variable]));
       for (const row of this.rows) row.variable = byName.get(row.variable.name);
@@ -35,7 +35,7 @@ class Table {
     this.build();
   }
 
-  /** What the rows depend on. */
+  /** Data on which the rows depend. */
   key() {
     const kinds = new Set(this.data.motion?.variables.map((v) => v.causality));
     const variables = this.list().map(({ name, unit, display, description }) => [name, unit, display, description]);
@@ -47,7 +47,7 @@ class Table {
     this.build();
   }
 
-  /** Variables of the motion, or what depends on the position alone. */
+  /** Variables of the motion, or quantities that depend on the position only. */
   list() {
     if (this.isTravel) return this.data.travel.values;
     return this.data.motion?.variables.filter((v) => v.causality === this.kind) ?? [];
@@ -112,7 +112,7 @@ class Table {
     return { row, variable, display, numbers };
   }
 
-  /** Colours of the plotted lines beside their variables. */
+  /** Colours of the plotted lines next to their variables. */
   paint() {
     for (const { row, variable } of this.rows) {
       const colour = this.plots?.colour(variable.name);
@@ -121,7 +121,7 @@ class Table {
     }
   }
 
-  /** Values at a frame of the motion, or at a position of the travel; of all rows, or of those in sight. */
+  /** Values at a frame of the motion, or at a position of the travel: of all rows, or of the visible ones. */
   show(index, isTravel = this.isTravel, all = true) {
     this.index = index;
     if (isTravel !== this.isTravel) {

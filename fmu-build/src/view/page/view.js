@@ -1,16 +1,13 @@
-// The page: reads its data, builds the drawing, the plots and the table, and keeps them at one time.
-//
-// All that depends on the data is made by `show(data)`, which may be called again with other data: the mode, the time,
-// the layers, the plotted variables and the zoom stay.
+// The page: reads its data, builds the drawing, the plots and the table, and shows all of them at one time.
 
 const byId = (id) => document.getElementById(id);
 /** Time between two updates of the numbers while the motion plays [ms]. */
 const NUMBERS = 90;
 
-/** The state of the page. Plots and table are made after the first frame is drawn. */
-const page = { mode: "still", told: 0, layers: new Map(), magnification: 1, view: { zoom: 1, x: 0, y: 0 } };
+/** State of the page. Plots and table are built after the first frame is drawn. */
+const page = { mode: "still", numbersAt: 0, layers: new Map(), magnification: 1, view: { zoom: 1, x: 0, y: 0 } };
 
-/** Poses that the drawing must have room for: some of each source. */
+/** Poses for which the drawing must have room: some from each source. */
 function sampled(source) {
   const parts = Math.min(source.count, 72);
   return Array.from({ length: parts }, (_, k) => source.frames.frame(parts > 1 ? (k * (source.count - 1)) / (parts - 1) : 0));
@@ -24,7 +21,7 @@ function readAll({ motion, travel }) {
   }
 }
 
-/** Whether the motion goes towards the low end of the travel: then the slider runs the other way. */
+/** Whether the motion goes towards the low end of the travel. The slider then has the opposite direction. */
 function runsBackward({ motion, travel }) {
   if (!travel || travel.is_closed) return false;
   if (travel.start > 0.9 || travel.start < 0.1 || !motion) return travel.start > 0.5;
@@ -35,9 +32,9 @@ function runsBackward({ motion, travel }) {
   return along < 0;
 }
 
-/** Show these data, in place of those shown before. */
+/** Show these data instead of the previous ones. */
 function show(data) {
-  // Before anything changes, this needs no new layout of the page.
+  // At this point no new layout of the page is needed.
   const room = byId("drawing").getBoundingClientRect();
   readAll(data);
   if (data.compare) readAll(data.compare);
@@ -73,7 +70,7 @@ function show(data) {
   draw();
 }
 
-/** Draw what the page stands at. */
+/** Draw the present time or position. */
 function draw() {
   if (page.mode === "motion") drawMotion();
   else if (page.mode === "travel") drawTravel();
@@ -87,11 +84,11 @@ function drawMotion() {
   page.drawing.show(data.motion.frames.at(index, page.scratch), index);
   page.drawing.compared?.show("motion", clock.time);
   const now = performance.now();
-  const withNumbers = !clock.isPlaying || now - page.told > NUMBERS;
+  const withNumbers = !clock.isPlaying || now - page.numbersAt > NUMBERS;
   page.plots?.show(index, withNumbers);
   byId("time").value = index;
   if (!withNumbers) return;
-  page.told = now;
+  page.numbersAt = now;
   page.table?.show(index, false, !clock.isPlaying);
   byId("time-text").textContent = `${clock.time.toFixed(decimals(clock.step))} s`;
   byId("time").setAttribute("aria-valuetext", `${clock.time.toFixed(decimals(clock.step))} s`);
@@ -118,12 +115,12 @@ function drawTravel() {
   byId("travel").setAttribute("aria-valuetext", `${first.name} ${text}`);
 }
 
-/** Digits after the point that tell two frames apart. */
+/** Number of digits after the point with which two frames have different times. */
 function decimals(step) {
   return Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 9);
 }
 
-/** The part of the travel at a place of the slider, and the other way round. */
+/** The part of the travel at a position of the slider, and vice versa. */
 function partOf(place) {
   return page.isBackward ? 1 - Number(place) : Number(place);
 }
@@ -144,14 +141,14 @@ function seek(index) {
   page.clock.seek(index);
 }
 
-/** Go to a part of the travel, from 0 at its low end to 1. */
+/** Move to a part of the travel, from 0 at its low end to 1. */
 function travelTo(part) {
   byId("travel").value = partOf(part);
   enter("travel");
   draw();
 }
 
-/** Go to a sample of the run, or of the travel. */
+/** Move to a sample of the run, or of the travel. */
 function goTo(index, mode) {
   if (mode === "travel") travelTo((page.mode === "travel" ? index : page.data.travel.start * (page.data.travel.count - 1)) / (page.data.travel.count - 1));
   else seek(page.mode === "motion" ? index : page.clock.index);
@@ -168,7 +165,7 @@ function announce(text) {
   byId("announced").textContent = text;
 }
 
-/** What the controls do. */
+/** Connect the controls with their functions. */
 function setUpControls() {
   byId("time").addEventListener("input", (event) => seek(Number(event.target.value)));
   byId("play").addEventListener("click", () => play(!page.clock.isPlaying));
@@ -183,7 +180,7 @@ function setUpControls() {
   document.addEventListener("keydown", onKey);
 }
 
-/** What the data say about the controls. */
+/** Set the controls according to the data. */
 function fillControls() {
   const { data, clock } = page;
   byId("controls").hidden = !data.motion && !data.travel;
@@ -218,7 +215,7 @@ function onKey(event) {
   event.preventDefault();
 }
 
-/** Names of the stops at the ends of the travel, and marks between them. */
+/** Names of the stops at the ends of the travel, and marks between the ends. */
 function fillEnds() {
   const { travel, scene } = page.data;
   const at = (part) => travel.stops.filter((met) => Math.abs(met.at - part) < 1e-6).map((met) => scene.stops[met.stop].name);
@@ -273,7 +270,7 @@ async function save(kind) {
   announce(kind === "copy" ? "The drawing is copied" : "Saved");
 }
 
-/** Switches for what the drawing shows. */
+/** Switches for the parts of the drawing. */
 function fillLayers() {
   const { data, drawing } = page;
   const { arrows, layers, scene } = drawing;
@@ -345,7 +342,7 @@ function listFindings() {
   byId("findings").hidden = !data.findings.length;
 }
 
-/** Name, description and error: in the page from the start, anew with other data. */
+/** Name, description and error: part of the page at first, written again for other data. */
 function setTexts() {
   const { name, description, error } = page.data;
   document.title = name || "Mechanism";
@@ -375,7 +372,7 @@ function describe() {
   }
 }
 
-/** Plots and table of the data, the first time with their library. */
+/** Plots and table of the data. The library is loaded the first time. */
 function fillSide() {
   const { motion } = page.data;
   if (!motion) return;
@@ -397,7 +394,7 @@ new ResizeObserver(() => {
   draw();
 }).observe(byId("drawing"));
 show(JSON.parse(byId("data").textContent));
-// In the second frame the first one is on the screen; only then the library of the plots is compiled.
+// In the second frame the first frame is on the screen. Only then the library of the plots is compiled.
 const afterTwoFrames = (next) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(next)));
 afterTwoFrames(() => {
   fillSide();

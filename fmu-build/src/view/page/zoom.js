@@ -3,7 +3,7 @@
 const MOST_ZOOM = 200;
 
 class Zoom {
-  /** `view` holds zoom and shift [px] from the drawing that fits; `changed` draws anew. */
+  /** `view` contains zoom and shift [px] relative to the fitted drawing. `changed` draws again. */
   constructor(svg, view, changed) {
     Object.assign(this, { svg, view, changed, pointers: new Map() });
     svg.addEventListener("wheel", (event) => this.wheel(event), { passive: false });
@@ -13,7 +13,7 @@ class Zoom {
     svg.addEventListener("dblclick", () => this.reset());
   }
 
-  /** Change the zoom by a factor and keep a point of the element where it is; the middle if there is none. */
+  /** Change the zoom by a factor, and keep a point of the element fixed: by default the middle. */
   by(factor, x, y) {
     const { width, height } = this.svg.getBoundingClientRect();
     const before = this.view.zoom;
@@ -35,7 +35,7 @@ class Zoom {
     this.update();
   }
 
-  /** Draw once in a frame; a finger scrolls the page only while the drawing fits. */
+  /** Draw once per frame. A finger scrolls the page only while the drawing fits. */
   update() {
     this.svg.classList.toggle("zoomed", this.view.zoom > 1 || this.view.x !== 0 || this.view.y !== 0);
     if (this.isWaiting) return;
@@ -82,7 +82,7 @@ class Zoom {
     this.by(apart(now) / apart(before), ...to);
   }
 
-  /** What a key does; whether it does anything. */
+  /** Handle a key. Returns whether the key has a function. */
   key(key) {
     const pan = { w: [0, 40], a: [40, 0], s: [0, -40], d: [-40, 0] }[key];
     if (pan) this.pan(...pan);

@@ -1,6 +1,6 @@
-//! Bars and joints as PMKS+ has them, and the linkage that they give.
+//! Bars and joints in the form of PMKS+, and their linkage.
 //!
-//! In: joints and bars of a file. Out: the planar linkage. It must not know the form of the file.
+//! In: joints and bars of a file. Out: the planar linkage. The module must not know the format of the file.
 
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use anyhow::{Context, Result, bail, ensure};
@@ -15,7 +15,7 @@ pub struct Pin {
     pub is_grounded: bool,
     pub is_welded: bool,
     pub angle: f64,
-    /// Of a slide in a bar the bar and two joints on the line of the slide.
+    /// For a slide in a bar: the bar, and two joints on the line of the slide.
     pub slot: Option<[String; 3]>,
 }
 
@@ -32,20 +32,20 @@ pub struct Bar {
     pub parts: Vec<String>,
 }
 
-/// The linkage as it grows, from the records.
+/// The linkage during its construction.
 pub struct Builder<'a> {
     own: Linkage,
     pins: &'a [Pin],
     bars: &'a [Bar],
-    /// Bars that are no part of another one; the body of each has its index and 1.
+    /// Bars that are no part of another bar. The index of its body is the index of the bar plus 1.
     roots: Vec<&'a Bar>,
 }
 
 impl<'a> Builder<'a> {
-    /// Bodies of the bars; the speed is that of the input [rad/s].
+    /// Bodies of the bars. `speed` is the speed of the input [rad/s].
     ///
     /// # Errors
-    /// A bar names a joint that there is not.
+    /// A bar names a joint that does not exist.
     pub fn new(name: &str, pins: &'a [Pin], bars: &'a [Bar], speed: f64) -> Result<Self> {
         let mut own = Linkage { name: identifier(name, "Mechanism", &[]), ..Linkage::default() };
         own.start_speed = Some(speed).filter(|speed| *speed != 0.0);
@@ -68,32 +68,32 @@ impl<'a> Builder<'a> {
         Ok(Self { own, pins, bars, roots })
     }
 
-    /// Bodies that hold a joint, without the ground.
+    /// Bodies with a joint, without the ground.
     fn bodies_of(&self, pin: &Pin) -> Vec<usize> {
         let holds = |bar: &&Bar| bar.pins.contains(&pin.id);
         (0..self.roots.len()).filter(|&at| holds(&self.roots[at])).map(|at| at + 1).collect()
     }
 
-    /// Bodies that a welded joint holds together: a bar of parts that meet there with blocks, as PMKS+ welds all bars
-    /// that are there into one, and pins those that come later. Without such a bar, all that are there.
+    /// Bodies that a welded joint connects rigidly. If a bar consists of several parts that share the joint, these are
+    /// the bar and blocks, as PMKS+ welds all existing bars into one and pins later bars. Otherwise all bodies.
     fn welded(&self, pin: &Pin, bodies: &[usize]) -> Vec<usize> {
-        let meets = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
+        let has_pin = |part: &&Bar| part.is_part && part.pins.contains(&pin.id);
         let is_weld = |body: &usize| {
             let parts = &self.roots[body - 1].parts;
-            self.bars.iter().filter(meets).filter(|part| parts.contains(&part.id)).count() > 1
+            self.bars.iter().filter(has_pin).filter(|part| parts.contains(&part.id)).count() > 1
         };
         let has_weld = bodies.iter().any(is_weld);
         let is_held = |body: &usize| !has_weld || is_weld(body) || self.roots[body - 1].is_block;
         bodies.iter().copied().filter(is_held).collect()
     }
 
-    /// The slide whose block a joint carries, as files before 2026 write it: the two stand at one place.
+    /// The slide whose block has this joint. Files before 2026 state both at one position.
     fn slide_of(&self, pin: &Pin) -> Option<&'a Pin> {
         let block = self.roots.iter().find(|bar| bar.is_block && bar.pins.contains(&pin.id))?;
         self.pins.iter().find(|other| other.slides && block.pins.contains(&other.id))
     }
 
-    /// The linkage.
+    /// Build the linkage.
     ///
     /// # Errors
     /// A slot or the ground is missing.
@@ -152,7 +152,7 @@ impl<'a> Builder<'a> {
         let bodies = self.bodies_of(pin);
         let is_block = |body: &usize| self.roots[body - 1].is_block;
         let block = bodies.iter().copied().find(is_block);
-        // Older files state the ground and the input at the block's joint.
+        // Older files state the ground and the input at the joint of the block.
         let mut carried =
             self.pins.iter().filter(|other| !other.slides && self.slide_of(other).is_some_and(|s| s.id == pin.id));
         let (mut is_input, mut is_grounded) = (pin.is_input, pin.is_grounded);
@@ -176,8 +176,7 @@ impl<'a> Builder<'a> {
             None if is_grounded => (0, pin.angle),
             None => bail!("the slot is neither on the ground nor in a link: correct the slot in PMKS+"),
         };
-        // Without a block of its own the links are hinged on one without mass, or slide themselves where they do not
-        // turn.
+        // Without a block, the links are hinged on a body without mass. Links that do not turn slide themselves.
         let rider = match block {
             Some(block) => block,
             None if pin.is_welded => {
@@ -200,7 +199,7 @@ impl<'a> Builder<'a> {
         Ok(())
     }
 
-    /// A drive in the last joint.
+    /// Add a drive in the last joint.
     fn drive(&mut self) {
         let count = self.own.drives.len();
         let name = if count == 0 { "drive".to_owned() } else { format!("drive_{}", count + 1) };
@@ -212,7 +211,7 @@ impl<'a> Builder<'a> {
         self.own.joints.push(Joint { name, first, second, place: pin.place, axis, ..Joint::default() });
     }
 
-    /// A free name for what stands for a joint.
+    /// A free name for the replacement of a joint.
     fn name(&self, pin: &Pin, suffix: &str) -> String {
         let taken: Vec<String> = self.own.names().collect();
         let taken: Vec<&str> = taken.iter().map(String::as_str).collect();

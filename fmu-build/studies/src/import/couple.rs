@@ -1,21 +1,21 @@
 //! Couplings between the coordinates of joints, as gears and racks.
 //!
-//! In: joints of a planar linkage, ratios of their coordinates. Out: couplings, and wheels without mass where gears
-//! need them. It must not know forms of files.
+//! In: joints of a planar linkage, ratios of their coordinates. Out: couplings, and wheels without mass if gears need
+//! them. The module must not know file formats.
 
 use super::planar::{Body, Joint, Linkage};
 use super::spatial::Ratio;
 use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
 
-/// The coordinate of a joint of the linkage: the joint's own angle or position times a sign.
+/// The coordinate of a joint of the linkage: angle or position of the joint, times a sign.
 #[derive(Clone, Copy, Debug)]
 pub struct Coordinate {
     pub joint: usize,
     pub sign: f64,
 }
 
-/// A coordinate as ratio times that of the joint from which its group is counted, and an offset.
+/// A coordinate as ratio x coordinate of the first joint of its group + offset.
 #[derive(Clone, Copy)]
 struct Follower {
     hinge: usize,
@@ -23,14 +23,14 @@ struct Follower {
     offset: f64,
 }
 
-/// Add the couplings of joints, whose coordinates stand in the order of the ratios' indices.
+/// Add the couplings of joints. The order of the coordinates is that of the indices of the ratios.
 ///
 /// # Errors
-/// Two joints share no body, so that no gear connects them; a ratio is 0.
+/// Two joints share no body, so that no gear can connect them; a ratio is 0.
 pub fn add(own: &mut Linkage, ratios: &[Ratio], joints: &[Option<Coordinate>]) -> Result<()> {
     let mut left: Vec<&Ratio> = ratios.iter().collect();
     while let Some(first) = left.first() {
-        // All joints that follow one joint: which of them are coupled with which is free.
+        // All joints that follow one joint. The pairs for couplings within a group can be chosen.
         let mut group = vec![Follower { hinge: first.second, ratio: 1.0, offset: 0.0 }];
         let mut loops = Vec::new();
         while let Some(at) =
@@ -83,7 +83,7 @@ pub fn add(own: &mut Linkage, ratios: &[Ratio], joints: &[Option<Coordinate>]) -
     Ok(())
 }
 
-/// The body that two joints share.
+/// The common body of two joints.
 fn shared(own: &Linkage, joints: &[Option<Coordinate>], one: usize, other: usize) -> Option<usize> {
     let [one, other] = [one, other].map(|hinge| joints[hinge].map(|of| &own.joints[of.joint]));
     let (one, other) = (one?, other?);
@@ -93,7 +93,7 @@ fn shared(own: &Linkage, joints: &[Option<Coordinate>], one: usize, other: usize
 /// Couple the coordinate of one joint with that of another: one = ratio other + offset.
 fn couple(own: &mut Linkage, carrier: usize, [one, other]: [Coordinate; 2], [ratio, offset]: [f64; 2]) {
     let [joint, driving] = [one, other].map(|of| own.joints[of.joint].clone());
-    // A coupling counts both motions from the carrier.
+    // A coupling measures both motions relative to the carrier.
     let sign = |of: Coordinate, joint: &Joint| if joint.second == carrier { -of.sign } else { of.sign };
     let (s, t) = (sign(one, &joint), sign(other, &driving));
     let (ratio, offset) = (s * t * ratio, s * offset);
@@ -125,7 +125,7 @@ fn wheel(own: &mut Linkage, carrier: usize, place: [f64; 2], name: &str) -> Join
     joint
 }
 
-/// The second wheel turns by ratio times the angle of the first.
+/// The second wheel turns by ratio times the angle of the first wheel.
 fn gears(own: &mut Linkage, carrier: usize, [first, second]: [&Joint; 2], ratio: f64, offset: f64, name: &str) {
     let between = [second.place[0] - first.place[0], second.place[1] - first.place[1]];
     let distance = between[0].hypot(between[1]);
@@ -133,7 +133,7 @@ fn gears(own: &mut Linkage, carrier: usize, [first, second]: [&Joint; 2], ratio:
         let teeth = json!({ "first_teeth": -ratio, "second_teeth": 1.0 });
         return mesh(own, carrier, [first, second], teeth, offset, name);
     }
-    // A wheel between them turns the direction round. It stands off the line of the two, as far from each.
+    // The wheel between the two wheels reverses the direction. It is next to their line, at equal distances.
     let aside = if distance > 1e-9 { [0.5 * distance, distance] } else { [0.0, 1.0] };
     let along = if distance > 1e-9 { between.map(|part| part / distance) } else { [1.0, 0.0] };
     let place = [
@@ -148,7 +148,7 @@ fn gears(own: &mut Linkage, carrier: usize, [first, second]: [&Joint; 2], ratio:
         let teeth = json!({ "first_teeth": size, "second_teeth": 1.0 });
         mesh(own, carrier, [&idler, second], teeth, offset, name);
     } else {
-        // Wheels with one centre that turn against each other: two wheels between them.
+        // Two wheels with one centre that turn in opposite directions have two wheels between them.
         let place = [place[0] + 1.0, place[1]];
         let next = wheel(own, carrier, place, name);
         let same = json!({ "first_teeth": 1.0, "second_teeth": 1.0 });
@@ -173,7 +173,7 @@ fn rack(own: &mut Linkage, carrier: usize, hinge: &Joint, slide: &Joint, ratio: 
     finish(own, carrier, value, offset, name);
 }
 
-/// Point of the body that turns on the carrier.
+/// Centre of rotation on the body that turns on the carrier, as `body.point`.
 fn center(own: &mut Linkage, joint: &Joint, carrier: usize) -> String {
     let place = if joint.first == carrier { joint.other.unwrap_or(joint.place) } else { joint.place };
     own.reference(moving(joint, carrier), place)

@@ -6,10 +6,10 @@ use super::spatial::{Rotation, Vector, add, after, dot, scaled};
 use anyhow::{Result, bail};
 use std::f64::consts::PI;
 
-/// Mass, centre, and tensor of inertia about the centre by its columns, in the frame of space.
+/// Mass, centre, and tensor of inertia about the centre by its columns, in the global frame.
 pub type Part = (f64, Vector, [Vector; 3]);
 
-/// A homogeneous shape about its centre, its axis of revolution along z.
+/// A homogeneous shape about its centre, with its axis of revolution along z.
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
     Sphere(f64),
@@ -46,7 +46,7 @@ impl Shape {
         }
     }
 
-    /// The part of a mass, or of a density [kg/m3], at a place.
+    /// Mass properties for a mass, or for a density [kg/m3], at a position.
     pub fn part(self, mass: Option<f64>, density: f64, place: Vector, rotation: &Rotation) -> Part {
         let (volume, [x, y, z]) = self.solid();
         let mass = mass.unwrap_or(volume * density);
@@ -55,13 +55,13 @@ impl Shape {
     }
 }
 
-/// A tensor in the frame of space.
+/// A tensor in the global frame.
 pub fn in_space(rotation: &Rotation, own: &[Vector; 3]) -> [Vector; 3] {
     let back: Rotation = std::array::from_fn(|k| [rotation[0][k], rotation[1][k], rotation[2][k]]);
     after(rotation, &after(own, &back))
 }
 
-/// A symmetric tensor by its six numbers xx, yy, zz, xy, xz, yz.
+/// A symmetric tensor from its six numbers xx, yy, zz, xy, xz, yz.
 pub fn symmetric([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> [Vector; 3] {
     [[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]
 }
@@ -87,10 +87,10 @@ pub fn together(parts: &[Part]) -> Part {
     (mass, center, inertia)
 }
 
-/// A part whose mass and principal moments of inertia have lower bounds.
+/// Mass properties with lower bounds of the mass and of the principal moments of inertia.
 ///
 /// # Errors
-/// A moment of inertia may lie below the bound, and the axes are not those of the tensor.
+/// A moment of inertia may be below the bound, and the principal axes are not the axes of the frame.
 pub fn bounded((mass, center, mut inertia): Part, least_mass: f64, least_inertia: f64) -> Result<Part> {
     let off = |k: usize| (0..3).filter(|&j| j != k).map(|j| inertia[k][j].abs()).sum::<f64>();
     let size = (0..3).map(|k| inertia[k][k]).fold(0.0, f64::max);

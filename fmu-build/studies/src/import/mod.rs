@@ -1,7 +1,7 @@
-//! `cargo fmu import`: mechanisms of other programs as definitions.
+//! `cargo fmu import`: converts mechanisms of other programs to definitions.
 //!
 //! In: a file or link of PMKS or PMKS+, a file of Pyslvs, MuJoCo (MJCF), ROS (URDF) or Gazebo (SDF), or a table of
-//! joints. Out: the text of a definition, and what of the file it does not hold. It must not know how a mechanism
+//! joints. Out: the text of a definition, and the omitted parts of the file. The module must not know how a mechanism
 //! moves.
 
 mod bars;
@@ -30,23 +30,23 @@ use std::path::Path;
 /// Largest file that is imported [bytes].
 const LARGEST: u64 = 16 << 20;
 
-/// A definition, and what of the file it does not hold or what was added to it.
+/// A definition, and notes about omitted and added parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Imported {
     /// Text of the definition.
     pub definition: String,
-    /// Each in one line.
+    /// Notes, one per line.
     pub notes: Vec<String>,
 }
 
 /// Read a file and write it as a definition.
 ///
 /// # Errors
-/// The file cannot be read, or holds no planar mechanism; the definition cannot be written.
+/// The file cannot be read, or contains no planar mechanism; the definition cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let path = &arguments.path;
     let shown = path.display();
-    // A link holds the mechanism in itself.
+    // A link contains the mechanism.
     let link = path.to_str().filter(|path| path.contains("://"));
     let text = match link {
         Some(link) => link.to_owned(),
@@ -77,14 +77,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         None => print!("{}", imported.definition),
     }
-    // A mechanism with other than one degree of freedom is written too, so that it can be corrected.
+    // A mechanism without exactly one degree of freedom is written too, so that the user can correct it.
     if let Err(refused) = Component::from_definition(Component::definition_files()[0], &imported.definition) {
         eprintln!("warning: {refused}; `cargo fmu check` prints the details");
     }
     Ok(())
 }
 
-/// The form of a file, by its name, and by its first letters where the name does not tell.
+/// The format of a file, by its name, or else by its first characters.
 fn form_of(path: &Path, text: &str) -> Result<Form> {
     let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     Ok(match (ending.as_str(), bare(text).trim_start()) {
@@ -109,23 +109,23 @@ fn form_of(path: &Path, text: &str) -> Result<Form> {
     })
 }
 
-/// A text without the mark of its encoding, which programs on Windows put before it.
+/// A text without the byte order mark that programs on Windows write.
 fn bare(text: &str) -> &str {
     text.strip_prefix('\u{feff}').unwrap_or(text)
 }
 
-/// The definition of a mechanism in a form; `name` is its name unless the file has one.
+/// The definition of a mechanism in this format. `name` is used if the file has no name.
 ///
 /// # Errors
-/// The text is not of this form, or holds what no planar mechanism has; the message says where.
+/// The text has another format, or contains parts that no planar mechanism has. The message states the place.
 pub fn import(form: Form, name: &str, text: &str) -> Result<Imported> {
     import_with(form, name, text, &|file| bail!("{file}: included files are read where the import has a path"))
 }
 
-/// As [`import`], with the texts of files that the file includes, by their paths in it.
+/// As [`import`], with the texts of included files by their paths in the file.
 ///
 /// # Errors
-/// Those of [`import`], and those of an included file.
+/// The errors of [`import`], also for an included file.
 pub fn import_with(form: Form, name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Imported> {
     let text = bare(text);
     let linkage = match form {

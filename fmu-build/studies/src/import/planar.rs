@@ -1,4 +1,4 @@
-//! A planar linkage as other programs state it: bodies by points in one plane, joints between them.
+//! A planar linkage from other programs: bodies given by points in one plane, and joints between them.
 //!
 //! In: points, joints, masses, loads. Out: the text of a definition with drawn bodies.
 
@@ -15,10 +15,10 @@ pub const GROUND: &str = "ground";
 #[derive(Clone, Debug, Default)]
 pub struct Linkage {
     pub name: String,
-    /// Moving bodies, and the ground as the first.
+    /// Moving bodies. The first body is the ground.
     pub bodies: Vec<Body>,
     pub joints: Vec<Joint>,
-    /// Size of the gravity, which acts along -y; none without.
+    /// Gravity, which acts along -y. None without gravity.
     pub gravity: Option<f64>,
     /// Joints with a drive, by index.
     pub drives: Vec<(String, usize)>,
@@ -27,32 +27,32 @@ pub struct Linkage {
     pub couplings: Vec<(String, Value)>,
     pub springs: Vec<(String, Value)>,
     pub stops: Vec<(String, Value)>,
-    /// Speed at the start of the first drive, if it is hinged on the ground [rad/s].
+    /// Start speed of the first drive, if its joint is on the ground [rad/s].
     pub start_speed: Option<f64>,
     pub forces: Vec<(String, Value)>,
-    /// Points to be watched: name, body, place.
+    /// Markers: name, body, position.
     pub markers: Vec<(String, usize, [f64; 2])>,
-    /// What of the file is not here, and what was added.
+    /// Notes about omitted and added parts of the file.
     pub notes: Vec<String>,
 }
 
-/// A rigid body whose frame is parallel to that of the mechanism at this position.
+/// A rigid body whose frame is parallel to the mechanism frame at this position.
 #[derive(Clone, Debug, Default)]
 pub struct Body {
     pub name: String,
-    /// Places of its points; the first is the origin of its frame.
+    /// Positions of its points. The first point is the origin of its frame.
     pub points: Vec<[f64; 2]>,
     pub mass: f64,
     pub center: Option<[f64; 2]>,
     /// Moment of inertia about the centre.
     pub inertia: f64,
-    /// Whether it is a block in a slot, which has no mass.
+    /// Whether it is a block in a slot, without mass.
     pub is_block: bool,
     /// Body to which it is fixed.
     pub fixed_to: Option<usize>,
 }
 
-/// A joint at a place.
+/// A joint at a position.
 #[derive(Clone, Debug, Default)]
 pub struct Joint {
     pub name: String,
@@ -60,11 +60,11 @@ pub struct Joint {
     pub first: usize,
     pub second: usize,
     pub place: [f64; 2],
-    /// Place on the second body, where the two are apart at the position of the file.
+    /// Position on the second body, if the two positions differ in the file.
     pub other: Option<[f64; 2]>,
-    /// Of a prismatic joint the direction of sliding in the first body.
+    /// For a prismatic joint: sliding direction in the first body.
     pub axis: Option<f64>,
-    /// Inertia that only the motion of the joint moves.
+    /// Inertia of a rotor that only the motion of the joint moves.
     pub armature: f64,
     /// Constant friction.
     pub friction: f64,
@@ -78,7 +78,7 @@ enum Part {
     Group(Named<Value>),
 }
 
-/// A name that a definition takes: letters, digits and underscores, a letter first; unlike those that there are.
+/// A valid and unused name: letters, digits and underscores, starting with a letter.
 pub fn identifier(wanted: &str, fallback: &str, taken: &[&str]) -> String {
     let mut name: String = wanted.trim().chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
@@ -94,7 +94,7 @@ pub fn identifier(wanted: &str, fallback: &str, taken: &[&str]) -> String {
     name
 }
 
-/// Path of a number that is not finite, which JSON cannot hold.
+/// Path of a number that is not finite, which JSON cannot represent.
 fn unnumbered(value: &Value) -> Option<String> {
     let within = |key: String, value: &Value| {
         let inner = unnumbered(value)?;
@@ -109,7 +109,7 @@ fn unnumbered(value: &Value) -> Option<String> {
 }
 
 impl Linkage {
-    /// Index of a point of a body at this place, which is added if it is new.
+    /// Index of the point of a body at this position. A new point is added.
     pub fn point(&mut self, body: usize, place: [f64; 2]) -> usize {
         let points = &mut self.bodies[body].points;
         let known = points.iter().position(|other| (0..2).all(|k| (other[k] - place[k]).abs() <= 1e-12));
@@ -119,7 +119,7 @@ impl Linkage {
         })
     }
 
-    /// Names that are taken.
+    /// Names in use.
     pub fn names(&self) -> impl Iterator<Item = String> {
         let bodies = self.bodies.iter().map(|body| &body.name).chain(self.joints.iter().map(|joint| &joint.name));
         let groups = [&self.springs, &self.stops, &self.actuators, &self.couplings, &self.forces];
@@ -129,21 +129,20 @@ impl Linkage {
         bodies.chain(groups).chain(drives).chain(points).cloned()
     }
 
-    /// A name like the wanted one that nothing has.
+    /// An unused name that is similar to the wanted one.
     pub fn free_name(&self, wanted: &str) -> String {
         let taken: Vec<String> = self.names().collect();
         identifier(wanted, "part", &taken.iter().map(String::as_str).collect::<Vec<_>>())
     }
 
-    /// `body.point` of a point at this place.
+    /// `body.point` of the point at this position.
     pub fn reference(&mut self, body: usize, place: [f64; 2]) -> String {
         let index = self.point(body, place);
         let name = &self.bodies[body].name;
         if index == 0 { format!("{name}.origin") } else { format!("{name}.p{index}") }
     }
 
-    /// The body and the angle, or the joint and the position, that state the start: of a drive, else of a joint at the
-    /// ground.
+    /// The start: body and angle, or joint and position, of a drive, else of a joint on the ground.
     fn start(&self) -> Value {
         let by_name = |value: &Value| self.joints.iter().position(|joint| value["joint"] == joint.name.as_str());
         let other = || self.actuators.iter().find_map(|(_, value)| by_name(value));
@@ -153,7 +152,7 @@ impl Linkage {
             return json!("equilibrium");
         };
         let mut start = match joint.axis {
-            // A prismatic joint stands at its second point, which is drawn at the first.
+            // The position of a prismatic joint is that of its second point, which is drawn at the first.
             Some(_) => json!({ "joint": joint.name, "position": 0.0 }),
             None => {
                 let body = if joint.second == 0 { joint.first } else { joint.second };
@@ -166,13 +165,13 @@ impl Linkage {
         start
     }
 
-    /// Whether no body has a mass, so that nothing but a prescribed motion moves the linkage.
+    /// Whether no body has a mass, so that only a prescribed motion can move the linkage.
     pub fn is_massless(&self) -> bool {
         let has_rotors = self.joints.iter().any(|joint| joint.armature > 0.0);
         !has_rotors && self.bodies.iter().all(|body| body.mass <= 0.0 && body.inertia <= 0.0)
     }
 
-    /// A drive: the first one of a linkage without masses turns with the speed of the start.
+    /// A drive. Without masses the first drive has the start speed as its prescribed motion.
     fn drive(&self, index: usize) -> (String, Value) {
         let (name, joint) = &self.drives[index];
         let joint = &self.joints[*joint];
@@ -190,10 +189,10 @@ impl Linkage {
     /// The text of the definition.
     ///
     /// # Errors
-    /// A number is not finite, such as the inertia of a body of 1e200 m.
+    /// A number is not finite, such as the inertia of a body with a length of 1e200 m.
     pub fn definition(&self) -> Result<String> {
         let mut own = self.clone();
-        // Bodies whose joints are open at this position are no drawing: they are assembled from their angles here.
+        // Bodies with open joints at this position cannot be drawn: they are assembled from their angles here.
         let is_drawn = own.joints.iter().all(|joint| joint.other.is_none());
         let joints: Vec<(String, Value)> = own.joints.clone().into_iter().map(|joint| own.joint(joint)).collect();
         let markers = own.markers.clone().into_iter().map(|(name, body, place)| {
@@ -269,7 +268,7 @@ impl Linkage {
 }
 
 impl Body {
-    /// The body as the definition has it.
+    /// The body in the form of the definition.
     fn value(&self, fixed_to: Option<&str>, is_drawn: bool) -> Value {
         let named = |from: usize, origin: [f64; 2]| -> Value {
             let points = self.points.iter().enumerate().skip(from);

@@ -1,7 +1,7 @@
 //! Files and links of PMKS+, the web program: sections between dots, numbers with the base 64.
 //!
-//! In: text. Out: the planar linkage with its masses and forces. Versions from 2023 on are read; a later version adds
-//! to the records of an earlier one.
+//! In: text. Out: the planar linkage with its masses and forces. Versions from 2023 on are supported. A later version
+//! adds to the records of an earlier one.
 
 use super::bars::{Bar, Builder, Pin};
 use super::planar::{Linkage, identifier};
@@ -12,13 +12,13 @@ use std::f64::consts::PI;
 
 /// Digits of a number.
 const DIGITS: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz_-";
-/// The last letter of a file is that of these digits which its length tells.
+/// The last letter of a file depends on its length, modulo this number.
 const CHECKS: usize = 62;
-/// First letters of a bar that is not a part of another one, and of a part.
+/// First letters of a bar that is no part of another bar, and of a part.
 const ROOTS: &str = "YAMG0123";
 const PARTS: &str = "Namg4567";
 
-/// A unit as a factor and a divisor of the thousandths that a file counts.
+/// A unit as a factor and a divisor for the thousandths in a file.
 #[derive(Clone, Copy)]
 struct Unit(f64, f64);
 
@@ -36,7 +36,7 @@ struct Units {
     names: &'static str,
 }
 
-/// What a file or a link holds of the mechanism, or the text as it is.
+/// The mechanism in a file or a link, or the unchanged text.
 fn payload(text: &str) -> Result<String> {
     let text = text.trim();
     match text.split_once("://").and_then(|(_, rest)| rest.split_once('?')) {
@@ -45,7 +45,7 @@ fn payload(text: &str) -> Result<String> {
     }
 }
 
-/// Whether a text looks like one of PMKS+: four sections of settings in digits.
+/// Whether a text may be of PMKS+: four sections of settings in digits.
 pub fn is_plus(text: &str) -> bool {
     let Ok(text) = payload(text) else { return false };
     let sections: Vec<&str> = text.splitn(5, '.').collect();
@@ -59,7 +59,7 @@ pub fn is_plus(text: &str) -> bool {
 /// A mechanism of PMKS+.
 ///
 /// # Errors
-/// The check letter does not fit, a record is incomplete, a force turns with its bar.
+/// The check letter is wrong, a record is incomplete, or a force turns with its bar.
 pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     let text = payload(text)?;
     let check = text.chars().last().context("the file is empty")?;
@@ -84,7 +84,7 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     let (pins, bars, forces) = (records("joint"), records("link"), records("force"));
     let pins = pins.into_iter().map(|(of, record)| pin(record, &units).context(of)).collect::<Result<Vec<Pin>>>()?;
     let bars = bars.into_iter().map(|(of, record)| bar(record, &units).context(of)).collect::<Result<Vec<Bar>>>()?;
-    // The first switch turns the input clockwise.
+    // The first flag makes the input turn clockwise.
     let speed = if (flags as u64) & 1 == 1 { -speed } else { speed } * PI / 30.0;
     let mut own = Builder::new(name, &pins, &bars, speed)?.linkage()?;
     for (of, record) in forces {
@@ -99,7 +99,7 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     Ok(own)
 }
 
-/// A number with the base 64, negative with a 0 before its digits.
+/// A number with the base 64. A 0 before its digits makes it negative.
 fn number(word: &str, what: &str) -> Result<f64> {
     let (sign, digits) = word.strip_prefix('0').map_or((1.0, word), |rest| (-1.0, rest));
     ensure!(!word.is_empty() && digits.len() <= 9, "{what} = \"{}\" is not a number of PMKS+", word.escape_debug());
@@ -112,7 +112,7 @@ fn number(word: &str, what: &str) -> Result<f64> {
     Ok(if value == 0.0 { 0.0 } else { sign * value })
 }
 
-/// Units by the letters of the section: the length tells those of mass and inertia, as in the program.
+/// Units from the letters of the section. The length unit determines those of mass and inertia, as in PMKS+.
 fn units(letters: &str) -> Result<Units> {
     const POUND: f64 = 0.453_592_37;
     const INCH: f64 = 0.0254;
@@ -149,7 +149,7 @@ fn units(letters: &str) -> Result<Units> {
     Ok(units)
 }
 
-/// Value of the letter that packs the switches of a record, and what follows it.
+/// Value of the letter with the flags of a record, and the rest of the record.
 fn flags(record: &str) -> Result<(usize, &str)> {
     let mut letters = record.chars();
     let letter = letters.next().context("this record is empty: open the file in PMKS+ and save it again")?;
@@ -180,7 +180,7 @@ fn pin(record: &str, units: &Units) -> Result<Pin> {
         is_input: flags & 2 != 0,
         is_grounded: flags & 4 != 0,
         is_welded: flags & 8 != 0,
-        // The file holds thousandths of a radian: a whole number of degrees that rounds to them is meant.
+        // The file contains thousandths of a radian. An integer number of degrees with this rounding is used.
         angle: if (angle - degrees).abs() <= 5.001e-4 { degrees } else { angle },
         slot,
     })
@@ -220,7 +220,7 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
     })
 }
 
-/// A force on the bar that has its link, or of which its link is a part; bodies stand in the order of the bars.
+/// A force on the bar with its link, or with the bar of which its link is a part. Bodies are in the order of the bars.
 fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units: &Units) -> Result<()> {
     let (flags, rest) = flags(record)?;
     let words: Vec<&str> = rest.split(',').collect();

@@ -1,4 +1,4 @@
-//! Links of PMKS+ before 2023: `?j=...&l=...&f=...&s=...`, a line for each joint, bar and force.
+//! Links of PMKS+ before 2023: `?j=...&l=...&f=...&s=...`, with a line for each joint, bar and force.
 //!
 //! In: a link. Out: the planar linkage with its masses.
 
@@ -17,7 +17,7 @@ pub fn is_old_plus(text: &str) -> bool {
 /// The mechanism of a link.
 ///
 /// # Errors
-/// A record is incomplete; a slide has an angle, whose unit these links do not state.
+/// A record is incomplete, or a slide has an angle, whose unit these links do not state.
 pub fn of_old_plus(name: &str, link: &str) -> Result<Linkage> {
     let (_, query) = link.trim().split_once('?').context("the link has no question mark: copy the link again")?;
     let query = unescaped(query)?;
@@ -59,8 +59,8 @@ pub fn of_old_plus(name: &str, link: &str) -> Result<Linkage> {
     Ok(own)
 }
 
-/// A joint: name, x, y, bars, kind, whether it is on the ground, then angle, friction and whether it is the input, of
-/// which some versions leave out the first two.
+/// A joint: name, x, y, bars, kind, whether it is on the ground; then angle, friction and whether it is the input. Some
+/// versions omit angle and friction.
 fn pin(record: &str, scale: f64) -> Result<Pin> {
     let words: Vec<&str> = record.split(',').map(str::trim).collect();
     let [id, x, y, _bars, kind, ground, rest @ ..] = words.as_slice() else {

@@ -1,18 +1,18 @@
-//! PMKS's text, links and JSON: a row for each joint.
+//! Text, links and JSON of PMKS: a row for each joint.
 //!
-//! In: text. Out: the table of joints, and what of the file it does not hold.
+//! In: text. Out: the table of joints, and notes about omitted parts.
 
 use super::table::{Kind, Row, Table, kind, number};
 use anyhow::{Context, Result, bail};
 use serde_json::Value;
 
-/// Names that PMKS takes for the ground, beside those that begin with `ground`.
+/// Names of the ground in PMKS, in addition to names that start with `ground`.
 const GROUND_NAMES: [&str; 6] = ["0", "gnd", "grnd", "grond", "gound", "groud"];
 
-/// A mechanism of PMKS: its text, a link that holds this text, or its JSON.
+/// A mechanism of PMKS: its text, a link that contains this text, or its JSON.
 ///
 /// # Errors
-/// A line has no kind, a gear, or no place; the JSON has no joints, or a slide without a reference for its angle.
+/// A line has no kind, a gear, or no position; the JSON has no joints, or a slide without a reference for its angle.
 pub fn of_pmks(text: &str) -> Result<Table> {
     if text.trim_start().starts_with('{') {
         return of_json(text);
@@ -28,7 +28,7 @@ pub fn of_pmks(text: &str) -> Result<Table> {
                     "mech" => sentence = value.trim(),
                     "name" => table.name = Some(value.trim().to_owned()).filter(|name| !name.is_empty()),
                     "d" => driving = value.trim().parse::<usize>().ok(),
-                    // Speed and fineness of the animation, and what is shown.
+                    // Speed and resolution of the animation, and display settings.
                     _ => {}
                 }
                 if sentence.contains('=') {
@@ -49,7 +49,8 @@ pub fn of_pmks(text: &str) -> Result<Table> {
     Ok(table)
 }
 
-/// What stands after the question mark of a link, its escapes undone and each key in a line; any other text as it is.
+/// The part of a link after the question mark, without escapes and with each key on a line. Any other text is
+/// unchanged.
 fn query(text: &str) -> Result<String> {
     match text.trim().split_once("://").and_then(|(_, rest)| rest.split_once('?')) {
         Some((_, query)) => Ok(unescaped(query)?.replace('&', "\n")),
@@ -57,10 +58,10 @@ fn query(text: &str) -> Result<String> {
     }
 }
 
-/// A part of a link with its percent escapes undone.
+/// A part of a link without percent escapes.
 ///
 /// # Errors
-/// What is escaped is not UTF-8.
+/// The escaped text is not UTF-8.
 pub fn unescaped(text: &str) -> Result<String> {
     let (mut bytes, mut rest) = (Vec::with_capacity(text.len()), text.as_bytes());
     while let [first, tail @ ..] = rest {
@@ -90,7 +91,7 @@ fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     } else if kind != Kind::Revolute {
         notes.push(format!("{}: the angle of the slide is missing; the angle 0 is used, as in PMKS", words.join(" ")));
     }
-    // Shown are position, speed and acceleration; the fourth flag tells the drive.
+    // Display flags for position, speed and acceleration. The fourth flag marks the drive.
     let is_driven = match rest.as_slice() {
         [flags] => flags.chars().nth(3).is_some_and(|flag| matches!(flag, 't' | '+')),
         [_, _, _, drive, ..] => drive.eq_ignore_ascii_case("true"),
@@ -100,14 +101,14 @@ fn row(words: &[&str], notes: &mut Vec<String>) -> Result<Row> {
     Ok(Row { kind, place, axis, links, is_driven })
 }
 
-/// A link's name, the ground under its one name.
+/// The name of a link. All names of the ground become one name.
 fn link_named(name: &str) -> String {
     let lower = name.to_ascii_lowercase();
     let is_ground = lower.starts_with("ground") || GROUND_NAMES.contains(&lower.as_str());
     if is_ground { "ground".to_owned() } else { name.to_owned() }
 }
 
-/// The JSON of PMKS, whose slides have their angle in rad from the first of their links.
+/// The JSON of PMKS. Its slides have an angle [rad] relative to their first link.
 fn of_json(text: &str) -> Result<Table> {
     let file: Value = serde_json::from_str(text).context("the file starts like JSON, but is not valid JSON")?;
     let joints =

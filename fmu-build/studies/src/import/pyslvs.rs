@@ -1,6 +1,6 @@
-//! Pyslvs: expressions, and projects that hold one.
+//! Pyslvs: expressions, and projects that contain one.
 //!
-//! In: text. Out: the table of joints, and what of the project it does not hold.
+//! In: text. Out: the table of joints, and notes about omitted parts of the project.
 
 use super::table::{Kind, Row, Table, kind, number};
 use anyhow::{Context, Result, bail};
@@ -9,7 +9,7 @@ use anyhow::{Context, Result, bail};
 /// L[a, b]], ...]`.
 ///
 /// # Errors
-/// Another form; the message states the part.
+/// The text has another form. The message states the part.
 pub fn of_pyslvs(text: &str) -> Result<Table> {
     let (expression, rest) = match text.find("mechanism:") {
         Some(at) if !text.trim_start().starts_with("M[") => (expression(&text[at + "mechanism:".len()..])?, Some(text)),
@@ -44,7 +44,7 @@ pub fn of_pyslvs(text: &str) -> Result<Table> {
     Ok(table)
 }
 
-/// The expression of a project, which YAML may break into lines and put into quotation marks.
+/// The expression of a project. YAML may break it into lines and put it into quotation marks.
 fn expression(value: &str) -> Result<String> {
     let start = value.find("M[").context("the value of mechanism has the form M[J[...], J[...]]")?;
     let mut depth = 0;
@@ -62,7 +62,8 @@ fn expression(value: &str) -> Result<String> {
     bail!("the mechanism of the project has no closing bracket: save the project again")
 }
 
-/// Inputs of a project: pairs of a point and the point that turns about it. What else it has is no mechanism.
+/// Inputs of a project: pairs of a point and the point that turns about it. Other settings are no part of the
+/// mechanism.
 fn settings(table: &mut Table, project: &str) -> Result<()> {
     let value = |key: &str| -> Option<&str> {
         let is_key = |at: usize| project[..at].ends_with(['\n', '{', ' ']) || at == 0;
@@ -98,12 +99,12 @@ fn settings(table: &mut Table, project: &str) -> Result<()> {
     Ok(())
 }
 
-/// What stands in the brackets of `name[...]`.
+/// The text in the brackets of `name[...]`.
 fn inside<'a>(part: &'a str, name: &str) -> Option<&'a str> {
     part.trim().strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']')
 }
 
-/// The parts between commas that are in no brackets.
+/// The parts between commas outside of brackets.
 fn parts(text: &str) -> Result<Vec<&str>> {
     let (mut all, mut depth, mut from) = (Vec::new(), 0i32, 0);
     for (at, letter) in text.char_indices() {

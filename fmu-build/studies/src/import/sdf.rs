@@ -11,12 +11,12 @@ use anyhow::{Context, Result, bail, ensure};
 
 const CONTROL: &str = "controllers and limits of motors are not a part of the mechanism";
 const SOFT: &str = "stops of a definition are rigid until a bumper is added";
-/// Limits from this size on are none.
+/// Limits of at least this size are no limits.
 const ENDLESS: f64 = 1e16;
-/// Most frames of which each is stated relative to the next.
+/// Largest number of frames that are stated relative to one another.
 const DEEPEST: usize = 100;
 
-/// What becomes of each element and attribute.
+/// Treatment of each element and attribute.
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
     ("sdf/world", "", Read, "the world around the model"),
@@ -91,7 +91,7 @@ struct Model<'a> {
 /// A mechanism in SDF.
 ///
 /// # Errors
-/// It is no SDF with one moving model; a joint that is not planar.
+/// The text is no SDF with one moving model, or a joint is not planar.
 pub fn of_sdf(name: &str, text: &str) -> Result<Space> {
     read(name, &Element::parse(text, "")?)
 }
@@ -99,7 +99,7 @@ pub fn of_sdf(name: &str, text: &str) -> Result<Space> {
 /// The mechanism of a document.
 ///
 /// # Errors
-/// As of its text.
+/// As for a text.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "sdf", "{}: SDF starts with <sdf>", root.at());
     rejected(root, TABLE, &str::to_owned)?;
@@ -187,7 +187,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     Ok(space)
 }
 
-/// The pose that an element states, in the frame to which it refers.
+/// The pose of an element, relative to its reference frame.
 fn pose(node: &Element) -> Result<Option<Frame>> {
     let Some(child) = node.child("pose") else { return Ok(None) };
     if child.is("rotation_format", "quat_xyzw") {
@@ -218,7 +218,7 @@ impl Model<'_> {
         let is_frame = |node: &&Element| matches!(node.tag.as_str(), "link" | "joint" | "frame");
         let found = self.root.children.iter().filter(is_frame).find(|node| node.get("name") == Some(name));
         let node = found.with_context(|| format!("there is no link, joint or frame {name}; correct the name"))?;
-        // A joint stands in the frame of its child, a frame in that to which it is attached.
+        // A joint is in the frame of its child, a frame in that to which it is attached.
         let absent = match node.tag.as_str() {
             "joint" => node.child("child").map_or("", |child| child.text.as_str()),
             "frame" => node.get("attached_to").unwrap_or(""),

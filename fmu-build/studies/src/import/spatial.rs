@@ -1,7 +1,7 @@
-//! A mechanism in space whose motion is in one plane, as robots' formats state it, and its projection to that plane.
+//! A mechanism in space with a planar motion, as in robot formats, and its projection to the plane.
 //!
-//! In: bodies and joints by places and directions in space. Out: the planar linkage. What does not move in one plane is
-//! refused.
+//! In: bodies and joints by positions and directions in space. Out: the planar linkage. A motion in more than one plane
+//! is rejected.
 
 use super::couple;
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
@@ -10,10 +10,10 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 
 pub type Vector = [f64; 3];
-/// A rotation by its columns: the axes of the turned frame.
+/// A rotation by its columns: the axes of the rotated frame.
 pub type Rotation = [Vector; 3];
 
-/// Largest part of a direction off the plane, or off the normal, that is rounding of the file.
+/// Largest part of a direction off the plane or off the normal that counts as rounding of the file.
 const OFF: f64 = 1e-6;
 
 pub fn dot(a: Vector, b: Vector) -> f64 {
@@ -32,7 +32,7 @@ pub fn scaled(a: Vector, factor: f64) -> Vector {
     a.map(|x| x * factor)
 }
 
-/// A direction of length 1; none of a vector of length 0.
+/// A unit vector in this direction. None for a vector of length 0.
 pub fn unit(a: Vector) -> Option<Vector> {
     let length = dot(a, a).sqrt();
     (length > 0.0).then(|| scaled(a, 1.0 / length))
@@ -42,14 +42,14 @@ pub fn turned(rotation: &Rotation, v: Vector) -> Vector {
     std::array::from_fn(|k| (0..3).map(|j| rotation[j][k] * v[j]).sum())
 }
 
-/// First `inner`, then `outer`.
+/// The rotation `inner`, then `outer`.
 pub fn after(outer: &Rotation, inner: &Rotation) -> Rotation {
     inner.map(|column| turned(outer, column))
 }
 
 pub const SAME: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Turn by an angle about an axis of length 1 (Rodrigues).
+/// Rotation by an angle about a unit vector (Rodrigues).
 pub fn about(axis: Vector, angle: f64) -> Rotation {
     let (sin, cos) = angle.sin_cos();
     SAME.map(|e| add(add(scaled(e, cos), scaled(cross(axis, e), sin)), scaled(axis, dot(axis, e) * (1.0 - cos))))
@@ -59,37 +59,37 @@ pub fn about(axis: Vector, angle: f64) -> Rotation {
 #[derive(Clone, Debug, Default)]
 pub struct Solid {
     pub name: String,
-    /// Body to which it is fixed; none of one that joints hold.
+    /// Body to which it is fixed. None for a body with joints.
     pub fixed_to: Option<usize>,
     pub place: Vector,
     pub mass: f64,
     pub center: Vector,
-    /// Tensor of inertia about the centre, in the frame of space, by its columns.
+    /// Tensor of inertia about the centre by its columns, in the global frame.
     pub inertia: [Vector; 3],
-    /// Part of its weight that a force at its centre carries.
+    /// Part of its weight that a force at its centre balances.
     pub lift: f64,
 }
 
 /// A linear spring with a damper: preload + stiffness (value - free) + damping rate.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spring {
-    /// What is added to the name of the joint.
+    /// Suffix of the name of the joint.
     pub suffix: &'static str,
     pub stiffness: f64,
     pub damping: f64,
-    /// Value at which it has its preload.
+    /// Value at which the force is the preload.
     pub free: f64,
     pub preload: f64,
 }
 
-/// A drive: its force at the start, and what controls it.
+/// A drive: its force at the start, and its controller.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Drive {
     pub force: f64,
     pub control: Option<Control>,
 }
 
-/// Control of a drive: force + position gain (command - value) + speed gain (commanded speed - rate), within limits.
+/// Controller of a drive: force + position gain (command - value) + speed gain (commanded speed - rate), within limits.
 #[derive(Clone, Copy, Debug)]
 pub struct Control {
     pub position_gain: Option<f64>,
@@ -100,16 +100,17 @@ pub struct Control {
     pub limits: Option<[f64; 2]>,
 }
 
-/// What acts along a coordinate: of a joint, counted from the position of the file, or of a distance of two points.
+/// Loads and limits along a coordinate: of a joint, relative to the position of the file, or the distance of two
+/// points.
 #[derive(Clone, Debug, Default)]
 pub struct Acting {
     pub springs: Vec<Spring>,
-    /// Least and largest value.
+    /// Smallest and largest value.
     pub range: Option<[f64; 2]>,
     pub drives: Vec<Drive>,
-    /// Inertia that only the rate of the coordinate moves.
+    /// Inertia of a rotor that only the rate of the coordinate moves.
     pub armature: f64,
-    /// Constant friction against the rate of the coordinate.
+    /// Constant friction that opposes the rate of the coordinate.
     pub friction: f64,
 }
 
@@ -117,19 +118,19 @@ pub struct Acting {
 #[derive(Clone, Debug, Default)]
 pub struct Hinge {
     pub name: String,
-    /// Bodies; 0 is the ground.
+    /// Bodies. 0 is the ground.
     pub first: usize,
     pub second: usize,
     pub place: Vector,
-    /// Place on the second body, where it is another one.
+    /// Position on the second body, if it differs.
     pub other: Option<Vector>,
-    /// Direction of the axis or of the slide; none of a connection of two points.
+    /// Direction of the axis or of the slide. None for a connection of two points.
     pub axis: Option<Vector>,
     pub slides: bool,
     pub acting: Acting,
 }
 
-/// What acts between two points of bodies.
+/// Loads and limits between two points of bodies.
 #[derive(Clone, Debug)]
 pub struct Strut {
     pub name: String,
@@ -137,7 +138,7 @@ pub struct Strut {
     pub acting: Acting,
 }
 
-/// A coupling of two joints: the coordinate of the first is ratio times that of the second, and an offset.
+/// A coupling of two joints: coordinate of the first = ratio x coordinate of the second + offset.
 #[derive(Clone, Debug)]
 pub struct Ratio {
     pub first: usize,
@@ -150,19 +151,19 @@ pub struct Ratio {
 #[derive(Clone, Debug, Default)]
 pub struct Space {
     pub name: String,
-    /// The ground first.
+    /// Bodies. The first one is the ground.
     pub solids: Vec<Solid>,
     pub hinges: Vec<Hinge>,
     pub struts: Vec<Strut>,
     pub ratios: Vec<Ratio>,
-    /// Points to be watched: name, body, place.
+    /// Markers: name, body, position.
     pub sites: Vec<(String, usize, Vector)>,
     pub gravity: Vector,
     pub notes: Vec<String>,
 }
 
 impl Control {
-    /// The key `control` of a drive along a coordinate that counts by `sign`.
+    /// The key `control` of a drive along a coordinate with this sign.
     fn value(&self, sign: f64) -> Value {
         let mut all = json!({});
         if let Some(gain) = self.position_gain {
@@ -181,7 +182,7 @@ impl Control {
 }
 
 impl Space {
-    /// Fix two bodies to each other, and what is fixed to them.
+    /// Fix two bodies to each other, together with the bodies that are fixed to them.
     pub fn weld(&mut self, one: usize, other: usize) {
         let root = |mut body: usize| {
             while let Some(to) = self.solids[body].fixed_to {
@@ -199,15 +200,15 @@ impl Space {
 /// Project to the plane of the motion.
 ///
 /// # Errors
-/// There is no joint; axes, slides, struts and gravity are not those of one plane; a coupling that gears cannot have.
+/// There is no joint; axes, slides, struts and gravity do not lie in one plane; gears cannot represent a coupling.
 pub fn project(space: Space) -> Result<Linkage> {
     let [along, up, normal] = plane(&space)?;
-    // Rounding of turned frames is no distance.
+    // Rounding of rotated frames counts as 0.
     let flat = |v: Vector| [along, up].map(|axis| Some(dot(v, axis)).filter(|x| x.abs() > 1e-15).unwrap_or(0.0));
     let mut own = Linkage { name: identifier(&space.name, "Mechanism", &[]), ..Linkage::default() };
     own.notes = space.notes;
     let weight = flat(space.gravity);
-    // What is fixed to the ground is the ground.
+    // Bodies that are fixed to the ground belong to the ground.
     let mut index_of: Vec<usize> = Vec::new();
     for (index, solid) in space.solids.iter().enumerate() {
         let fixed_to = solid.fixed_to.map(|to| index_of[to]);
@@ -282,7 +283,7 @@ pub fn project(space: Space) -> Result<Linkage> {
     Ok(own)
 }
 
-/// Directions of x and y in the plane of the motion, y against the gravity, and the normal.
+/// Directions of x and y in the plane of the motion, with y against the gravity, and the normal.
 fn plane(space: &Space) -> Result<[Vector; 3]> {
     let turning = space.hinges.iter().filter(|hinge| !hinge.slides).find_map(|hinge| hinge.axis);
     let slides: Vec<Vector> = space.hinges.iter().filter(|hinge| hinge.slides).filter_map(|hinge| hinge.axis).collect();
@@ -304,7 +305,7 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
             );
         }
     }
-    // y as far upward as it can be; where the plane lies flat, x and y are those of the file.
+    // y is as far upward as possible. In a horizontal plane x and y are those of the file.
     let in_plane = |v: Vector| unit(add(v, scaled(normal, -dot(v, normal)))).filter(|_| dot(v, normal).abs() < 0.99);
     if let Some(up) = in_plane(upward) {
         let along = cross(up, normal);
@@ -317,7 +318,7 @@ fn plane(space: &Space) -> Result<[Vector; 3]> {
     Ok([along, cross(normal, along), normal])
 }
 
-/// Add a joint and what acts in it; its sign is -1 where its axis points against the normal.
+/// Add a joint with its loads and limits. The sign is -1 if the axis points against the normal.
 fn add_hinge(
     own: &mut Linkage,
     hinge: &Hinge,
@@ -335,7 +336,7 @@ fn add_hinge(
         let [x, y] = flat(axis);
         y.atan2(x)
     });
-    // An axis against the normal counts the angle the other way round.
+    // An axis against the normal reverses the sign of the angle.
     let sign = match hinge.axis {
         Some(axis) if !hinge.slides && dot(axis, normal) < 0.0 => -1.0,
         _ => 1.0,
@@ -349,7 +350,7 @@ fn add_hinge(
     Ok(Some(couple::Coordinate { joint: index, sign }))
 }
 
-/// Springs, stops and drives along a coordinate that counts by `sign`.
+/// Add springs, stops and drives along a coordinate with this sign.
 fn act(own: &mut Linkage, name: &str, on: &Value, quantity: &str, acting: &Acting, sign: f64) {
     let with = |fields: Value| {
         let mut all = on.clone();

@@ -1,8 +1,6 @@
-//! Joints in a table, as CSV, PMKS and Pyslvs have them: each with its kind, its place, its direction and the links
-//! that it
-//! joins.
+//! Joints in a table, as in CSV, PMKS and Pyslvs: kind, position, direction and links of each joint.
 //!
-//! In: text of CSV. Out: rows, and the linkage that rows give. No such program has masses.
+//! In: text of CSV. Out: rows, and the linkage of the rows. These formats have no masses.
 
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use anyhow::{Context, Result, bail};
@@ -25,23 +23,23 @@ pub struct Row {
     pub place: [f64; 2],
     /// Direction of a slide or slot [rad].
     pub axis: f64,
-    /// Names of the links; a joint of one link is a point to be watched.
+    /// Names of the links. A joint of one link is a marker.
     pub links: Vec<String>,
-    /// Whether a drive acts here, where the file tells.
+    /// Whether a drive acts in the joint, if the file states this.
     pub is_driven: bool,
 }
 
-/// A mechanism as rows.
+/// A mechanism as a table.
 #[derive(Clone, Debug, Default)]
 pub struct Table {
-    /// Name of the mechanism, where the file has one.
+    /// Name of the mechanism, if the file has one.
     pub name: Option<String>,
     pub rows: Vec<Row>,
-    /// What of the file the rows do not hold, each in one line.
+    /// Notes about omitted parts of the file, one per line.
     pub notes: Vec<String>,
 }
 
-/// The kind of joint that a word stands for.
+/// The kind of joint for a word.
 pub fn kind(word: &str) -> Option<Kind> {
     match word.to_ascii_uppercase().as_str() {
         "R" => Some(Kind::Revolute),
@@ -51,10 +49,10 @@ pub fn kind(word: &str) -> Option<Kind> {
     }
 }
 
-/// A finite number, or what is wrong with it.
+/// A finite number, or the fault.
 ///
 /// # Errors
-/// There is none, or it is not finite.
+/// There is no number, or it is not finite.
 pub fn number(word: Option<&str>, what: &str) -> Result<f64> {
     let word = word.with_context(|| format!("{what} is missing"))?;
     let value: f64 =
@@ -62,12 +60,12 @@ pub fn number(word: Option<&str>, what: &str) -> Result<f64> {
     if value.is_finite() { Ok(value) } else { bail!("{what} = {word} is not finite") }
 }
 
-/// A table as CSV with the columns `type`, `x`, `y`, `links` (between spaces), and `angle` in degrees and `driven`
-/// where wanted. Spreadsheets of half the world write semicolons and decimal commas, which are taken too, as are
-/// tabulators.
+/// A table as CSV with the columns `type`, `x`, `y`, `links` (separated by spaces), and optionally `angle` in degrees
+/// and `driven`. Semicolons and tabs as separators, and decimal commas, are accepted too, because many spreadsheets
+/// write them.
 ///
 /// # Errors
-/// A column is missing, a row is none.
+/// A column is missing, or a row is invalid.
 pub fn of_csv(text: &str) -> Result<Table> {
     let header = text.lines().next().unwrap_or_default();
     let separator = [b';', b'\t'].into_iter().find(|&letter| header.as_bytes().contains(&letter)).unwrap_or(b',');
@@ -202,7 +200,7 @@ fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Resu
     Ok(())
 }
 
-/// 1 kg on each link, spread evenly over its points; blocks stay without mass.
+/// Add 1 kg to each link, spread evenly over its points. Blocks have no mass.
 fn add_masses(own: &mut Linkage) {
     for body in own.bodies.iter_mut().skip(1).filter(|body| !body.is_block) {
         let count = body.points.len() as f64;

@@ -1,4 +1,4 @@
-//! The tables of formats compared with what the importers read, with what MuJoCo has, and with the reference pages.
+//! The tables of formats compared with the importers, with MuJoCo's schema, and with the reference pages.
 #![allow(clippy::unwrap_used)]
 
 use super::xml::{Element, Fate, Row, row};
@@ -10,7 +10,7 @@ use std::path::Path;
 
 const CASES: &str = include_str!("../../tests/import/files/mujoco.json");
 
-/// Elements that no case of MuJoCo's accelerations has.
+/// Elements that do not occur in the cases for MuJoCo's accelerations.
 const OTHERS: [&str; 2] = [
     r#"<mujoco><worldbody><body name="a"><joint name="j" axis="0 1 0"/><geom size=".1" contype="0"/><camera/></body>
        <frame><site name="s"/></frame></worldbody><equality><weld body1="a" relpose="0 0 0 1 0 0 0"/>
@@ -20,7 +20,7 @@ const OTHERS: [&str; 2] = [
        </worldbody></mujoco>"#,
 ];
 
-/// Attributes that a table says to be read, as `parent/tag name`, `*` for any tag.
+/// Attributes that are read according to a table, as `parent/tag name`, with `*` for any tag.
 fn stated(table: &'static [Row]) -> BTreeSet<String> {
     let rows = table.iter().filter(|row| row.2 == Fate::Read);
     let named = |element: &'static str, names: &'static str| {
@@ -29,7 +29,7 @@ fn stated(table: &'static [Row]) -> BTreeSet<String> {
     rows.flat_map(|(elements, names, ..)| elements.split_whitespace().flat_map(move |one| named(one, names))).collect()
 }
 
-/// Compare what is read with a table.
+/// Compare the attributes that were read with a table.
 fn compare(read: &BTreeSet<String>, table: &'static [Row]) {
     let is_element = |key: &str, name: &str| {
         let tag = key.split('/').nth(1).unwrap_or_default();
@@ -37,7 +37,7 @@ fn compare(read: &BTreeSet<String>, table: &'static [Row]) {
     };
     for own in read {
         let (key, name) = own.split_once(' ').unwrap();
-        // Classes are looked up for every element.
+        // Classes are read for every element.
         if matches!(name, "class" | "childclass") {
             continue;
         }
@@ -60,7 +60,7 @@ fn cases() -> Vec<Value> {
 }
 
 #[test]
-fn mjcf_is_read_as_its_table_says() {
+fn mjcf_is_read_as_in_its_table() {
     let mut read = BTreeSet::new();
     for case in cases() {
         let include = |file: &str| Ok(case["files"][file].as_str().unwrap().to_owned());
@@ -73,13 +73,13 @@ fn mjcf_is_read_as_its_table_says() {
         mjcf::read("case", &root).unwrap();
         root.read(&mjcf::group, &mut read);
     }
-    // Included files are in the document when it is read.
+    // Included files are part of the document when it is read.
     read.insert("mujoco/include file".to_owned());
     compare(&read, mjcf::TABLE);
 }
 
 #[test]
-fn urdf_and_sdf_are_read_as_their_tables_say() {
+fn urdf_and_sdf_are_read_as_in_their_tables() {
     let mut read = [BTreeSet::new(), BTreeSet::new()];
     let root = Element::parse(include_str!("../../tests/import/files/boom.urdf"), "").unwrap();
     urdf::read("case", &root).unwrap();
@@ -100,7 +100,7 @@ fn urdf_and_sdf_are_read_as_their_tables_say() {
     compare(&read[1], sdf::TABLE);
 }
 
-/// Every element and attribute of MuJoCo has a row, or stands in an element that is not read.
+/// Every element and attribute of MuJoCo has a row, or is in an element that is not read.
 #[test]
 fn mjcf_has_a_row_for_all_that_mujoco_has() {
     let mut missing = Vec::new();
@@ -136,7 +136,7 @@ fn written(table: &[Row]) -> String {
     text
 }
 
-/// The page has these tables; with LINKAGE_FMU_WRITE set, they are written anew.
+/// The page contains these tables. With LINKAGE_FMU_WRITE set, they are rewritten.
 #[test]
 fn the_page_has_the_tables() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/imported-formats.md");

@@ -1,6 +1,6 @@
 //! ROS's URDF as a mechanism in space.
 //!
-//! In: XML. Out: bodies and joints in space: a tree, so that it has no loop but by `mimic`.
+//! In: XML. Out: bodies and joints in space. They form a tree, without loops except by `mimic`.
 
 use super::masses::{Part, in_space, symmetric};
 use super::spatial::{Acting, Drive, Hinge, Ratio, Rotation, SAME, Solid, Space, Spring, Vector};
@@ -9,12 +9,12 @@ use super::xml::{Element, Fate, Row, unread};
 use Fate::{LeftOut, NoEffect, Read};
 use anyhow::{Context, Result, bail, ensure};
 
-/// A place and a rotation in space.
+/// A position and a rotation in space.
 pub type Frame = (Vector, Rotation);
 
 const CONTROL: &str = "controllers and limits of motors are not a part of the mechanism";
 
-/// What becomes of each element and attribute.
+/// Treatment of each element and attribute.
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
     ("robot/link", "", Read, "a body; the link that no joint moves is the ground"),
@@ -51,7 +51,7 @@ pub const TABLE: &[Row] = &[
 /// A mechanism in URDF.
 ///
 /// # Errors
-/// It is no URDF, or one that xacro has still to write; a joint that is not planar.
+/// The text is no URDF, or contains xacro elements; a joint is not planar.
 pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
     read(name, &Element::parse(text, "")?)
 }
@@ -59,7 +59,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
 /// The mechanism of a document.
 ///
 /// # Errors
-/// As of its text.
+/// As for a text.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "robot", "{}: URDF starts with <robot>", root.at());
     if let Some(macro_) = xacro(root) {
@@ -84,7 +84,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let base = links.iter().find(is_base).context("every link is moved by a joint, so there is no ground link")?;
     space.notes.push(format!("the link {} becomes the body ground", base.get("name").unwrap_or_default()));
     space.solids.push(Solid::default());
-    // The mass of the ground does not count, and is checked.
+    // The mass of the ground has no effect, but is checked.
     mass(base, ([0.0; 3], SAME))?;
     let mut known = vec![(base.get("name").unwrap_or_default().to_owned(), ([0.0; 3], SAME))];
     let mut left: Vec<usize> = (0..joints.len()).collect();
@@ -109,7 +109,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
             }
             space.hinges.push(hinge(joint, kind, (first, known.len() - 1), frame)?);
         } else {
-            // A fixed joint has a name, an axis and limits in many files; they do not act.
+            // In many files a fixed joint has a name, an axis and limits, without effect.
             joint.get("name");
             for (tag, key) in [("axis", "xyz"), ("limit", "lower"), ("limit", "upper"), ("dynamics", "damping")] {
                 joint.child(tag).and_then(|child| child.get(key));

@@ -1,59 +1,59 @@
-//! Elements of MJCF, URDF and SDF: their attributes, where they stand, and which attributes an importer has read.
+//! Elements of MJCF, URDF and SDF: their attributes, their places, and the attributes that an importer has read.
 //!
-//! In: XML. Out: elements; what of them was not read. It must not know mechanisms.
+//! In: XML. Out: elements, and notes about unread parts. The module must not know mechanisms.
 
 use anyhow::{Context, Result, anyhow, bail};
 use roxmltree::{Document, Error, Node};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Attributes that are never below 0: of masses, moments of inertia about an axis, densities and sizes.
+/// Attributes that are never negative: masses, moments of inertia about an axis, densities and sizes.
 const SIZES: [&str; 7] = ["mass", "diaginertia", "density", "size", "ixx", "iyy", "izz"];
-/// Most elements of which each stands in the one before.
+/// Largest depth of nested elements.
 const DEEPEST: usize = 250;
 
-/// An element with the attributes that it states, or that a default class states for it.
+/// An element with its own attributes, and those of its default class.
 #[derive(Clone, Debug, Default)]
 pub struct Element {
     pub tag: String,
     pub attributes: Vec<(String, String)>,
-    /// Text between the tags, without spaces around it.
+    /// Text between the tags, without surrounding spaces.
     pub text: String,
     pub children: Vec<Element>,
-    /// Line, and the file if it is an included one.
+    /// Line number, with the name of an included file.
     pub place: String,
-    /// Names of the attributes and children that were read, also of those that are absent.
+    /// Names of the attributes and children that were read, including missing ones.
     asked: RefCell<BTreeSet<&'static str>>,
 }
 
-/// What becomes of an attribute, or of an element with all that is in it.
+/// Treatment of an attribute, or of an element with its contents.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fate {
     /// The importer reads it.
     Read,
     /// It does not change a planar motion of rigid bodies.
     NoEffect,
-    /// It is left out with a note.
+    /// It is omitted with a note.
     LeftOut,
     /// The import ends with an error, unless the attribute has the value given here.
     Rejected(&'static str),
 }
 
-/// A row of the table of a format: elements `parent/tag` (or `parent/*`), attributes (none: the elements themselves),
-/// their fate, and what it means.
+/// A row of the table of a format: elements `parent/tag` (or `parent/*`), attributes (empty: the elements themselves),
+/// their treatment, and a description.
 pub type Row = (&'static str, &'static str, Fate, &'static str);
 
 impl Element {
-    /// The root of a text; `file` is empty or the name of an included file.
+    /// Parse a text. `file` is empty or the name of an included file.
     ///
     /// # Errors
-    /// It is no XML, or nested too deeply.
+    /// The text is no XML, or is nested too deeply.
     pub fn parse(text: &str, file: &str) -> Result<Self> {
         let of = if file.is_empty() { "the file".to_owned() } else { file.to_owned() };
         let mut text = std::borrow::Cow::Borrowed(text);
         let document = loop {
             match Document::parse(&text) {
-                // Programs write prefixes without saying what they stand for.
+                // Programs write namespace prefixes without a declaration.
                 Err(Error::UnknownNamespace(prefix, _)) if !text.contains(&format!("xmlns:{prefix}=")) => {
                     text = declared(&text, &prefix).into();
                 }
@@ -65,7 +65,7 @@ impl Element {
         Self::of(document.root_element(), &prefix, &ends, 0)
     }
 
-    /// `ends` are the ends of lines.
+    /// `ends` are the ends of the lines.
     fn of(node: Node, prefix: &str, ends: &[usize], depth: usize) -> Result<Self> {
         let tag = match node.tag_name().namespace() {
             Some(space) if space.contains("xacro") => format!("xacro:{}", node.tag_name().name()),
@@ -87,18 +87,18 @@ impl Element {
         })
     }
 
-    /// The value of an attribute, which is then read.
+    /// The value of an attribute, which is then marked as read.
     pub fn get(&self, name: &'static str) -> Option<&str> {
         self.asked.borrow_mut().insert(name);
         self.attributes.iter().find(|(own, _)| own == name).map(|(_, value)| value.as_str())
     }
 
-    /// Whether a switch has a value.
+    /// Whether an attribute has this value.
     pub fn is(&self, name: &'static str, value: &str) -> bool {
         self.get(name) == Some(value)
     }
 
-    /// Where the element stands, for messages.
+    /// Place of the element in messages.
     pub fn at(&self) -> String {
         let named = self.attributes.iter().find(|(own, _)| own == "name");
         let name = named.map(|(_, name)| format!(" \"{}\"", name.escape_debug())).unwrap_or_default();
@@ -162,7 +162,7 @@ impl Element {
         Ok([lower, upper])
     }
 
-    /// What was read in the elements below this one, as `parent/tag name`, by attributes and children.
+    /// The attributes and children that were read in the elements below this one, as `parent/tag name`.
     #[cfg(test)]
     pub fn read(&self, group: &dyn Fn(&str) -> String, into: &mut BTreeSet<String>) {
         for child in &self.children {
@@ -173,7 +173,7 @@ impl Element {
     }
 }
 
-/// A text whose root declares a prefix.
+/// The text with a declaration of the prefix in its root.
 fn declared(text: &str, prefix: &str) -> String {
     let is_root = |at: &usize| text[at + 1..].starts_with(|letter: char| letter.is_alphabetic());
     let root = text.match_indices('<').map(|(at, _)| at).find(is_root).unwrap_or_default();
@@ -181,7 +181,7 @@ fn declared(text: &str, prefix: &str) -> String {
     format!("{} xmlns:{prefix}=\"{prefix}\"{}", &text[..end], &text[end..])
 }
 
-/// Reject elements that the table rejects, before anything that stands in them is missed.
+/// Reject elements that the table rejects, before missing parts in them are reported.
 ///
 /// # Errors
 /// The document has such an element.
@@ -194,7 +194,7 @@ pub fn rejected(root: &Element, table: &[Row], group: &dyn Fn(&str) -> String) -
     })
 }
 
-/// What of a document the importer did not read: notes, each with all its places.
+/// Notes about the unread parts of a document, each with all its places.
 ///
 /// # Errors
 /// The table rejects an element or an attribute.
@@ -236,7 +236,7 @@ fn walk(
     };
     match row(table, &key, "") {
         Some((.., Fate::NoEffect, _)) => return Ok(()),
-        // A switch that is off, or a number that is 0, is no loss.
+        // An attribute that is off or 0 has no effect.
         Some((.., Fate::LeftOut, _)) if matches!(element.text.as_str(), "0" | "0.0" | "false") => return Ok(()),
         Some((.., Fate::LeftOut, why)) => {
             note(format!("<{}> is left out: {why}", element.tag));

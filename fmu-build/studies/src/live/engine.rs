@@ -1,7 +1,7 @@
-//! Runs for the page: a text and values of variables, to what the page shows of them.
+//! Runs for the page: from a text and values of variables to the data of the page.
 //!
 //! In: the text of a definition, values of parameters and inputs. Out: data of the page, places of findings, variables
-//! that can be set. It must not know who asks.
+//! that can be set. The module must not know who sends a request.
 
 use anyhow::Result;
 use fmu_build::check::{self, Checked};
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Instant;
 
-/// Texts whose models are kept: those of two pages, and of one edit back.
+/// Number of texts whose models are kept: those of two pages, and of one previous edit.
 const KEPT: usize = 3;
 
 /// The models of the newest texts.
@@ -29,7 +29,7 @@ pub struct Engine {
     kept: Mutex<Vec<Model>>,
 }
 
-/// What is asked for.
+/// A request.
 #[derive(Clone, Debug, Default, Deserialize, PartialEq)]
 pub struct Asked {
     /// Text of the definition.
@@ -49,21 +49,21 @@ pub enum Number {
     Real(f64),
 }
 
-/// What the page gets.
+/// The answer to a request.
 #[derive(Debug, Serialize)]
 pub struct Outcome {
-    /// What the page of `view` shows.
+    /// The data of the page of `view`.
     pub data: Data,
-    /// What the page shows besides.
+    /// The additional data of the live page.
     pub notes: Notes,
 }
 
-/// What the page shows of a text besides its motion.
+/// Additional data about a text.
 #[derive(Debug, Serialize)]
 pub struct Notes {
     marks: Vec<Mark>,
     knobs: Vec<Knob>,
-    /// Values that could not be set, in words.
+    /// Messages about values that could not be set.
     problems: Vec<String>,
     /// Time of the computation [ms].
     milliseconds: f64,
@@ -97,14 +97,14 @@ struct Model {
     text: String,
     checked: Checked,
     opened: Result<Simulation, String>,
-    /// What was set, with the values before.
+    /// Values that were set, with the previous values.
     set: Vec<(String, Number)>,
-    /// What was asked for last, with the answer: a page that opens asks for it again.
+    /// The last request with its answer: a page that opens repeats the request.
     last: Option<(Asked, Arc<Outcome>)>,
 }
 
 impl Engine {
-    /// For texts of the file at this path, which messages name so.
+    /// An engine for texts of the file at this path. `shown` is its name in messages.
     pub fn new(shown: String, path: PathBuf, wanted: Wanted) -> Self {
         Self { shown, path, wanted, kept: Mutex::new(Vec::new()) }
     }
@@ -125,7 +125,7 @@ impl Engine {
             Ok(text) => (text, None),
             Err(error) => (asked.text.clone(), Some(format!("{error:#}"))),
         };
-        // A model is taken out, so that one that panics is gone.
+        // The model is removed during the run, so that a model that panics is dropped.
         let found = kept.iter().position(|model| model.text == text);
         let mut model = match found {
             Some(index) => kept.remove(index),
@@ -161,7 +161,7 @@ impl Engine {
 }
 
 impl Model {
-    /// Set these values, and those that were set before as they were; what could not be set, in words.
+    /// Set these values, and reset values that were set before. Returns messages about values that could not be set.
     fn set(&mut self, values: &[(String, Number)]) -> Vec<String> {
         let Ok(simulation) = &mut self.opened else { return Vec::new() };
         let mut all: Vec<(String, Number)> = std::mem::take(&mut self.set);
@@ -170,7 +170,7 @@ impl Model {
         let mut problems = Vec::new();
         for (name, value) in all {
             let variables = simulation.model().variables();
-            // The text may have lost it.
+            // The variable may be missing in the new text.
             let Some(start) = variables.find(&name).and_then(|r| start(&variables.list()[r as usize])) else {
                 continue;
             };
@@ -187,7 +187,7 @@ impl Model {
         problems
     }
 
-    /// The findings at their places in the text as it was sent.
+    /// The findings at their places in the sent text.
     fn marks(&self, sent: &str) -> Vec<Mark> {
         let place = |byte: usize| units(sent, own(sent, &self.text, byte));
         let mark = |located: &check::Located| Mark {
@@ -233,7 +233,7 @@ fn words(finding: &Finding) -> String {
     if remedy.is_empty() { message.clone() } else { format!("{message}; {remedy}") }
 }
 
-/// Place in a text of a byte in another one, in which one part may stand in the place of another.
+/// Index of a byte of `completed` in the text `sent`, from which one part was replaced.
 fn own(sent: &str, completed: &str, byte: usize) -> usize {
     let same = |(a, b): &(u8, u8)| a == b;
     let before = sent.bytes().zip(completed.bytes()).take_while(same).count();
@@ -245,7 +245,7 @@ fn own(sent: &str, completed: &str, byte: usize) -> usize {
     if rest <= after { most - rest } else { before.min(most) }
 }
 
-/// Number of units of UTF-16 before a byte of a text.
+/// Number of UTF-16 units before a byte of a text.
 fn units(text: &str, byte: usize) -> usize {
     let mut end = byte.min(text.len());
     while !text.is_char_boundary(end) {

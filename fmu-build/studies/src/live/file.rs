@@ -1,6 +1,6 @@
-//! The file that is shown: watched, and written whole.
+//! The shown file: it is watched, and written as a whole.
 //!
-//! In: its path. Out: its text with a version that counts the changes. It must not know what the text means.
+//! In: its path. Out: its text with a version that counts the changes. The module must not know what the text means.
 
 use anyhow::Result;
 use fmu_build::{files, shared};
@@ -11,14 +11,14 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
-/// Time between two looks at the file. A look asks for its size and time only; it sees changes on every file system,
-/// also where the system has no events of them, and a file that was replaced.
+/// Time between two checks of the file. A check only reads size and time of the file. This finds changes on every file
+/// system, also without events of the system, and replaced files.
 const LOOK: Duration = Duration::from_millis(20);
-/// Time after a change in which every look reads the file: it may be written in parts, or twice in one tick of the
-/// file system's clock.
+/// Time after a change in which every check reads the file. The file may be written in parts, or twice within one tick
+/// of the file system's clock.
 const UNSETTLED: Duration = Duration::from_millis(500);
 
-/// A text, or why the file has none.
+/// A text, or the reason why the file cannot be read.
 pub type Text = Result<String, String>;
 
 /// The watched file.
@@ -32,26 +32,26 @@ pub struct File {
 struct State {
     version: u64,
     text: Text,
-    /// What the file of shared parameters that the text names has in it.
+    /// Content of the file of shared parameters that the text names.
     shared: Option<Vec<u8>>,
 }
 
-/// Whether a text was written.
+/// Result of saving a text.
 pub enum Saved {
-    /// It is this version of the file.
+    /// The text is this version of the file.
     As(u64),
-    /// The file has a newer version than the one that the text is made from.
+    /// The file has a newer version than the one from which the text was edited.
     Not(u64, Text),
 }
 
 impl File {
-    /// Watch a file from now on, as long as the program runs.
+    /// Watch a file as long as the program runs.
     pub fn watch(path: PathBuf) -> Arc<Self> {
         let (text, shared) = read(&path);
         let state = Mutex::new(State { version: 1, text, shared });
         let file = Arc::new(Self { path, state, changed: Condvar::new() });
         let watched = Arc::clone(&file);
-        thread::spawn(move || watched.look_for_ever());
+        thread::spawn(move || watched.poll());
         file
     }
 
@@ -59,7 +59,7 @@ impl File {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn look_for_ever(&self) {
+    fn poll(&self) {
         let (mut seen, mut since) = (None, Instant::now());
         let (mut version, mut parameters) = (0, None);
         loop {
@@ -80,7 +80,7 @@ impl File {
         }
     }
 
-    /// Read the file; a new version if it differs.
+    /// Read the file. If it differs, there is a new version.
     fn look(&self) {
         // While the page writes the file, it is not read.
         let mut state = self.state();
@@ -97,17 +97,17 @@ impl File {
         (state.version, state.text.clone())
     }
 
-    /// The first version that is another one than this, if there is one within this time.
+    /// The first version that differs from the known one, if it occurs within this time.
     pub fn after(&self, known: u64, patience: Duration) -> Option<(u64, Text)> {
         let waited = self.changed.wait_timeout_while(self.state(), patience, |state| state.version == known);
         let (state, _) = waited.unwrap_or_else(PoisonError::into_inner);
         (state.version != known).then(|| (state.version, state.text.clone()))
     }
 
-    /// Write a text that is made from this version.
+    /// Write a text that was edited from this version.
     ///
     /// # Errors
-    /// The file cannot be written; it is then as before.
+    /// The file cannot be written and remains unchanged.
     pub fn save(&self, version: u64, text: &str) -> Result<Saved> {
         self.look();
         let mut state = self.state();
@@ -122,7 +122,7 @@ impl File {
     }
 }
 
-/// What changes with a file: its time and its size; none if there is no such file.
+/// Time and size of a file, which change with it. None if the file does not exist.
 fn stamp(path: &Path) -> Option<(Option<SystemTime>, u64)> {
     let metadata = fs::metadata(path).ok()?;
     Some((metadata.modified().ok(), metadata.len()))
@@ -144,7 +144,8 @@ mod tests {
 
     const PATIENCE: Duration = Duration::from_secs(10);
 
-    /// Written in place, replaced by rename as some editors do, taken away and put back, and its parameters.
+    /// The file is written in place, replaced by rename (as by some editors), removed and restored. Its parameters
+    /// change.
     #[test]
     fn each_way_to_change_a_file_is_a_new_version() {
         let folder = std::env::temp_dir().join(format!("linkage-fmu-watched-{} é", std::process::id()));

@@ -1,7 +1,7 @@
 //! `cargo fmu view --live`: the page of `view` from a server on this machine, with the definition next to the drawing.
 //!
-//! In: a definition file, watched; texts and values from the page. Out: the page, and its data for each text. The file
-//! is written when the page asks for it, and at no other time.
+//! In: a watched definition file, texts and values from the page. Out: the page, and its data for each text. The file
+//! is written only on request of the page.
 
 mod engine;
 mod file;
@@ -25,27 +25,27 @@ use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
 
-/// Longest time for which a page waits for news of the file in one request.
+/// Longest time that a page waits for a new version of the file in one request.
 const PATIENCE: Duration = Duration::from_secs(20);
 
-/// What the server knows.
+/// State of the server.
 struct Live {
     file: Arc<File>,
     engine: Engine,
 }
 
-/// A text that is to become the file's.
+/// A text to save.
 #[derive(Deserialize)]
 struct Saving {
     text: String,
-    /// Version of the file that the text is made from.
+    /// Version of the file from which the text was edited.
     version: u64,
 }
 
-/// Serve the page until the program is ended.
+/// Serve the page until the program ends.
 ///
 /// # Errors
-/// The path leads to no mechanism that can be written; the port is taken; no browser can be opened.
+/// The path contains no mechanism that can be written; the port is in use; no browser can be opened.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if is_fmu(&arguments.path) {
         bail!("{}: --live edits a definition; give the path of a {MECHANISM}, not of an FMU", arguments.path.display());
@@ -55,7 +55,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if kind != MECHANISM {
         bail!("{shown}: a {kind} has no mechanism that can be drawn; give the path of a {MECHANISM}");
     }
-    // What cannot be read is said here, and not in a page.
+    // An unreadable file is reported here, and not in a page.
     source.text()?;
     let wanted = Wanted::new(arguments.stop_time, &[])?;
     let port = arguments.port.unwrap_or(0);
@@ -72,7 +72,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.open {
         open::that_detached(&address).with_context(|| format!("{address}: no browser could open the page"))?;
     }
-    // The page that opens next finds its motion computed.
+    // The motion is computed before the page opens.
     let first = Arc::clone(&live);
     thread::spawn(move || {
         let text = first.file.now().1.unwrap_or_default();
@@ -101,7 +101,7 @@ impl Live {
         page::html(&self.engine, version, text)
     }
 
-    /// The file once it has another version than the one that the page has, or nothing new.
+    /// The file when its version differs from that of the page, or nothing after some time.
     fn news(&self, known: &str) -> Answer {
         let known = known.strip_prefix("after=").and_then(|known| known.parse().ok()).unwrap_or(0);
         match self.file.after(known, PATIENCE) {
@@ -118,7 +118,7 @@ impl Live {
     }
 }
 
-/// A version of the file for the page: its text, or why there is none.
+/// A version of the file for the page: its text, or the reason why there is none.
 fn of_file(version: u64, text: &Result<String, String>) -> Value {
     match text {
         Ok(text) => json!({ "version": version, "text": text }),

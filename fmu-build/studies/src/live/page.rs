@@ -1,4 +1,4 @@
-//! The page: that of `view`, with the definition next to the drawing.
+//! The live page: the page of `view`, with the definition next to the drawing.
 
 use super::engine::{Asked, Engine};
 use super::file::Text;
@@ -9,7 +9,7 @@ use serde_json::json;
 
 const BODY: &str = include_str!("page/live.html");
 const STYLE: &str = include_str!("page/live.css");
-/// CodeMirror 6 with what belongs to it, in one file; its licences stand at the head of it.
+/// CodeMirror 6 with its packages in one file, which starts with their licences.
 const EDITOR: &str = include_str!("page/editor/editor.min.js");
 /// Parts of the script, in order.
 const SCRIPTS: [&str; 7] = [
@@ -25,7 +25,7 @@ const SCRIPTS: [&str; 7] = [
 /// The page of a version of the file.
 ///
 /// # Errors
-/// The template is wrong.
+/// The template is invalid.
 pub fn html(engine: &Engine, version: u64, text: Text) -> Result<String> {
     let (text, error) = text.map_or_else(|error| (String::new(), Some(error)), |text| (text, None));
     let outcome = engine.run(&Asked { text: text.clone(), values: Vec::new() })?;

@@ -1,11 +1,11 @@
 //! HTTP for one page on this machine.
 //!
-//! In: a listener on 127.0.0.1, a function from requests to answers. Out: answers, to requests that know the token and
-//! come from the page itself. It must not know what is asked for.
+//! In: a listener on 127.0.0.1, a function from requests to answers. Out: answers to requests that contain the token
+//! and come from the page itself. The module must not know the meaning of a request.
 //!
-//! A page of another site must not reach the server: the token in the path is not known to it; by another name of this
+//! A page of another site must not reach the server: it does not know the token in the path; with another name of this
 //! machine (DNS rebinding) `Host` differs; a request of its script has its `Origin`. One connection is one request, so
-//! that no bytes of one are read as the next.
+//! that no bytes of one request are read as another request.
 
 use anyhow::{Context, Result, anyhow};
 use linkage_fmu::fmi::LARGEST_DEFINITION;
@@ -18,25 +18,25 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Most bytes of the head of a request.
+/// Largest number of bytes of the head of a request.
 const LARGEST_HEAD: usize = 16 << 10;
-/// Most fields of a head.
+/// Largest number of fields of a head.
 const FIELDS: usize = 64;
-/// Most bytes of a body: a definition as JSON, in which a character may need two, and values.
+/// Largest number of bytes of a body: values, and a definition as JSON, in which a character may need two bytes.
 const LARGEST_BODY: u64 = 2 * LARGEST_DEFINITION + (1 << 20);
-/// Longest time for which a client may send nothing, or take nothing.
+/// Longest time that a client may send or receive nothing.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Most connections at one time.
+/// Largest number of simultaneous connections.
 const CONNECTIONS: usize = 64;
-/// Bytes of a rejected body that are read, so that the answer arrives.
+/// Number of bytes of a rejected body that are read, so that the answer arrives.
 const DRAINED: u64 = 1 << 16;
-/// The page may do what its own text says, ask its server, and nothing else; nobody may frame it.
+/// The page may only use its own text and its server. No page may contain it in a frame.
 const POLICY: &str = "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data:; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Where the page is.
+/// Address of the page.
 pub struct Site {
-    /// Names of the server, as `Host` has them.
+    /// Names of the server in `Host`.
     hosts: [String; 2],
     token: String,
 }
@@ -45,7 +45,7 @@ pub struct Site {
 pub struct Request {
     /// Method, such as `GET`.
     pub method: String,
-    /// Path after the token, without a slash before it.
+    /// Path after the token, without a leading slash.
     pub path: String,
     /// Query, without the question mark.
     pub query: String,
@@ -58,7 +58,7 @@ pub struct Answer {
     status: u16,
     kind: &'static str,
     body: Vec<u8>,
-    /// Where else the page is.
+    /// Redirection to another address of the page.
     location: Option<String>,
 }
 
@@ -66,7 +66,7 @@ impl Site {
     /// A site on this port, with a new token.
     ///
     /// # Errors
-    /// The system has no random numbers.
+    /// The system provides no random numbers.
     pub fn new(port: u16) -> Result<Self> {
         let mut bytes = [0; 16];
         getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the address: {error}"))?;
@@ -79,7 +79,7 @@ impl Site {
         format!("http://{}/{}/", self.hosts[0], self.token)
     }
 
-    /// The path after the token and the query, of a request that may be answered.
+    /// The path after the token and the query, if the request is allowed.
     fn admitted(&self, head: &httparse::Request) -> Result<(String, String), Answer> {
         let host = only(head, "host").unwrap_or_default();
         if !self.hosts.contains(&host) {
@@ -110,7 +110,7 @@ impl Site {
     }
 }
 
-/// Whether two texts are equal, in a time that does not say where they differ.
+/// Whether two texts are equal. The time does not depend on the place of a difference.
 fn is_same(a: &str, b: &str) -> bool {
     a.len() == b.len() && a.bytes().zip(b.bytes()).fold(0, |differs, (a, b)| differs | (a ^ b)) == 0
 }
@@ -120,7 +120,7 @@ fn has(head: &httparse::Request, name: &str) -> bool {
     head.headers.iter().any(|field| field.name.eq_ignore_ascii_case(name))
 }
 
-/// Value of a field that a head has once.
+/// Value of a field that occurs once in a head.
 fn only(head: &httparse::Request, name: &str) -> Option<String> {
     let mut all = head.headers.iter().filter(|field| field.name.eq_ignore_ascii_case(name));
     let value = all.next().filter(|_| all.next().is_none())?;
@@ -131,7 +131,7 @@ impl Request {
     /// The body as JSON.
     ///
     /// # Errors
-    /// It is none, or has another form.
+    /// The body is no JSON, or has another structure.
     pub fn json<T: DeserializeOwned>(&self) -> Result<T> {
         serde_json::from_slice(&self.body).context("the body of the request")
     }
@@ -151,7 +151,7 @@ impl Answer {
         }
     }
 
-    /// A refusal with its reason.
+    /// A rejection with its reason.
     pub fn refused(status: u16, why: &str) -> Self {
         Self { status, kind: "text/plain; charset=utf-8", body: why.into(), location: None }
     }
@@ -172,12 +172,12 @@ impl Answer {
     }
 }
 
-/// Answer requests for ever.
+/// Answer requests without end.
 pub fn serve(listener: &TcpListener, site: &Arc<Site>, answer: impl Fn(&Request) -> Answer + Send + Sync + 'static) {
     let (open, answer) = (Arc::new(AtomicUsize::new(0)), Arc::new(answer));
     for stream in listener.incoming() {
         let Ok(mut stream) = stream else {
-            // The system has no handle left for now.
+            // The system has no free handle at present.
             thread::sleep(Duration::from_millis(50));
             continue;
         };
@@ -189,7 +189,7 @@ pub fn serve(listener: &TcpListener, site: &Arc<Site>, answer: impl Fn(&Request)
                 None => Err(Answer::refused(503, "too many connections")),
             };
             let rejected = outcome.is_err();
-            // A client that has gone needs no answer.
+            // A disconnected client needs no answer.
             if outcome.unwrap_or_else(|refused| refused).write(&mut stream).is_ok() && rejected {
                 let _ = io::copy(&mut (&mut stream).take(DRAINED), &mut io::sink());
             }
@@ -198,7 +198,7 @@ pub fn serve(listener: &TcpListener, site: &Arc<Site>, answer: impl Fn(&Request)
     }
 }
 
-/// One of the connections that may be open.
+/// One of the allowed connections.
 struct Place(Arc<AtomicUsize>);
 
 impl Place {
@@ -215,7 +215,7 @@ impl Drop for Place {
     }
 }
 
-/// A whole request that may be answered.
+/// A complete and allowed request.
 fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
     let lost = |_| Answer::refused(408, "the request was not complete in time");
     stream.set_read_timeout(Some(PATIENCE)).map_err(lost)?;
@@ -247,7 +247,7 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
     }
 }
 
-/// Length of the body. A page of another site cannot send JSON without asking first, which is not answered.
+/// Length of the body. A page of another site cannot send JSON without a preflight request, which is not answered.
 fn length_of_body(head: &httparse::Request) -> Result<u64, Answer> {
     if has(head, "transfer-encoding") {
         return Err(Answer::refused(411, "the body must state its length"));
@@ -271,7 +271,7 @@ mod tests {
     use super::*;
     use std::net::Ipv4Addr;
 
-    /// Status of the answer to these bytes; `HOST` and `TOKEN` stand for the right ones.
+    /// Status of the answer to these bytes. `HOST` and `TOKEN` are replaced by the valid ones.
     fn status(port: u16, token: &str, request: &str) -> u16 {
         let mut stream = TcpStream::connect((Ipv4Addr::LOCALHOST, port)).unwrap();
         let request = request.replace("HOST", &format!("127.0.0.1:{port}")).replace("TOKEN", token);

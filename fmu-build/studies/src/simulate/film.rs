@@ -1,7 +1,7 @@
-//! The mechanism in motion as an animated GIF.
+//! Animated GIF of the moving mechanism.
 //!
-//! In: a mechanism at the communication points of a run. Out: the GIF, the same bytes for the same poses; it plays for
-//! ever. Frames after the first hold only what has changed.
+//! In: a mechanism at the communication points of a run. Out: the GIF, which repeats without end. Its bytes depend only
+//! on the poses. Frames after the first contain only the changed part.
 
 mod canvas;
 mod drawing;
@@ -18,18 +18,17 @@ use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// Most frames.
+/// Largest number of frames.
 const FRAMES: usize = 120;
-/// Shortest and longest time that a film plays [s]: a motion that takes less is slowed down, one that takes more sped
-/// up.
+/// Shortest and longest duration of a film [s]. A shorter motion is slowed down, a longer one is accelerated.
 const PLAYED: [f64; 2] = [3.0, 8.0];
-/// Shortest time for which a frame is shown, in hundredths of a second: browsers show those of less for longer.
+/// Shortest duration of a frame in hundredths of a second: browsers show shorter frames for longer.
 const SHORTEST: f64 = 3.0;
-/// Time for which the end of a motion is shown that does not return to its beginning, in hundredths of a second.
+/// Duration of the last frame of a motion that does not return to its start, in hundredths of a second.
 const PAUSE: u16 = 100;
-/// Angle [rad] and part of the size below which a pose has returned.
+/// Angle [rad] and part of the size below which a pose counts as returned.
 const RETURNED: f64 = 0.02;
-/// Colours from white to each of the drawing's colours.
+/// Number of colours from white to each colour of the drawing.
 const SHADES: u16 = 5;
 
 /// The bodies at a time.
@@ -40,15 +39,15 @@ pub struct Still {
     pub poses: Vec<Pose>,
 }
 
-/// Poses that are recorded.
+/// Recorded poses.
 pub struct Film {
     stills: Thinned<Still>,
 }
 
-/// Whether a film can have this name.
+/// Check the name of a film.
 ///
 /// # Errors
-/// It does not end in .gif.
+/// The name does not end in .gif.
 pub fn check(path: &Path) -> Result<()> {
     match path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif")) {
         true => Ok(()),
@@ -57,7 +56,7 @@ pub fn check(path: &Path) -> Result<()> {
 }
 
 impl Film {
-    /// A film of a mechanism, without a frame.
+    /// A film of a mechanism, without frames.
     ///
     /// # Errors
     /// The model has no linkage.
@@ -80,10 +79,10 @@ impl Film {
         }
     }
 
-    /// Write the film; `time`: that of the model's present pose.
+    /// Write the film. `time` is the time of the model's present pose.
     ///
     /// # Errors
-    /// The model gives nothing to be drawn, or the file cannot be written.
+    /// The model cannot be drawn, or the file cannot be written.
     pub fn write(self, path: &Path, model: &mut Component, time: f64) -> Result<()> {
         let name = model.name().to_owned();
         let Component::Mechanism(model) = model else { return Ok(()) };
@@ -102,7 +101,7 @@ impl Film {
     }
 }
 
-/// How the film runs.
+/// Speed of the film.
 struct Pace {
     /// Number of frames that are shown.
     frames: usize,
@@ -110,7 +109,7 @@ struct Pace {
     delay: u16,
     /// Hundredths of a second for the last one.
     last_delay: u16,
-    /// What is said of it; empty in real time.
+    /// Text about the speed. Empty in real time.
     words: String,
 }
 
@@ -131,12 +130,12 @@ impl Pace {
     }
 }
 
-/// Two digits.
+/// Round to two digits.
 fn rounded(value: f64) -> String {
     format!("{value:.1e}").parse::<f64>().unwrap_or(value).to_string()
 }
 
-/// Whether the bodies are where they were, after whole turns.
+/// Whether the bodies have their previous positions, up to whole turns.
 fn is_same(scene: &Scene, a: &Still, b: &Still) -> bool {
     a.poses.iter().zip(&b.poses).all(|(a, b)| {
         let turn = (a[0] - b[0]).rem_euclid(TAU);
@@ -144,7 +143,7 @@ fn is_same(scene: &Scene, a: &Still, b: &Still) -> bool {
     })
 }
 
-/// What the file holds.
+/// Bytes of the file.
 fn encode(name: &str, scene: &Scene, stills: &[Still]) -> Result<Vec<u8>> {
     let font = Font::new()?;
     let pace = Pace::new(scene, stills);
@@ -165,7 +164,7 @@ fn encode(name: &str, scene: &Scene, stills: &[Still]) -> Result<Vec<u8>> {
     Ok(encoder.into_inner()?)
 }
 
-/// The part of a picture that differs from the one before, all else in it transparent.
+/// The part of a picture that differs from the previous picture. The rest of it is transparent.
 fn changed(Size { width, height }: Size, before: &[u8], now: &[u8], transparent: u8) -> Frame<'static> {
     let is_new = |x: u16, y: u16| {
         let at = usize::from(y) * usize::from(width) + usize::from(x);
@@ -177,7 +176,7 @@ fn changed(Size { width, height }: Size, before: &[u8], now: &[u8], transparent:
             part = [part[0].min(x), part[1].min(y), part[2].max(x + 1), part[3].max(y + 1)];
         }
     }
-    // Nothing has changed: a frame has a pixel at least.
+    // A frame has at least one pixel, also without changes.
     let [left, top, right, bottom] = if part[2] == 0 { [0, 0, 1, 1] } else { part };
     let mut pixels = Vec::with_capacity(usize::from(right - left) * usize::from(bottom - top));
     for y in top..bottom {
@@ -194,7 +193,7 @@ fn changed(Size { width, height }: Size, before: &[u8], now: &[u8], transparent:
 /// The colours of a film: white, and shades from white to each colour of the drawing. Index 0 is transparent.
 struct Palette {
     colours: Vec<[u8; 3]>,
-    /// Indices that were looked for.
+    /// Indices of colours that were found before.
     found: HashMap<[u8; 3], u8>,
 }
 
@@ -235,7 +234,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_frame_holds_what_has_changed() {
+    fn a_frame_contains_the_changed_pixels() {
         let size = Size { width: 4, height: 3 };
         let before = vec![1; 12];
         let mut now = before.clone();

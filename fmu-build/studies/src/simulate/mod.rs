@@ -1,7 +1,7 @@
-//! `cargo fmu simulate`: a run of a model by the engine itself, with the options that FMPy has.
+//! `cargo fmu simulate`: a run of a model by the engine, with the options of FMPy.
 //!
 //! In: a definition or an FMU, start values, input signals, an interval. Out: a table of the outputs over time as CSV
-//! or Parquet, a plot, a film. The run makes the steps that FMPy makes, so that both have the same bits.
+//! or Parquet, a plot, a film. The run makes the same steps as FMPy, so that both are bit-identical.
 
 mod film;
 mod parquet;
@@ -29,20 +29,20 @@ use std::collections::BTreeMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
-/// How a run ended, for the exit code.
+/// Result of a run, for the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// At the stop time.
     Complete,
-    /// The user stopped it; what was recorded is written.
+    /// The user stopped the run. The recorded rows are written.
     Interrupted,
 }
 
-/// Run the model and write what was asked for.
+/// Run the model and write the requested files.
 ///
 /// # Errors
-/// The path leads to no definition; a name, a value or a signal that the model does not take; a step that cannot be
-/// made, with what was recorded until then written; a file that cannot be written.
+/// The path contains no definition; a name, a value or a signal is invalid; a step fails (the rows recorded before are
+/// written); a file cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     check(arguments)?;
     let definition = Definition::read(workspace, &arguments.path)?;
@@ -50,7 +50,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         .with_context(|| format!("{}; `{} check` prints the details", definition.shown, workspace.program()))?;
     let units = FileUnits::stated(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
     for finding in model.warnings() {
-        eprintln!("warning: {}", units.told(finding.clone()));
+        eprintln!("warning: {}", units.converted(finding.clone()));
     }
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;
@@ -112,7 +112,7 @@ fn set_start_values(model: &mut Component, arguments: &Arguments) -> Result<()> 
     start_values::apply_all(model, values.into_iter().collect()).context(options)
 }
 
-/// Check the names of the files to be written, before anything is computed.
+/// Check the names of the output files before the run.
 fn check(arguments: &Arguments) -> Result<()> {
     let Arguments { output_file, plot, gif, .. } = arguments;
     plot.as_deref().map_or(Ok(()), plot::check)?;
@@ -135,7 +135,7 @@ fn check(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// Whether a table of this name can be written.
+/// Check that a table with this name can be written.
 fn check_table(path: &Path) -> Result<()> {
     match extension(path).as_str() {
         "csv" | "parquet" | "" => Ok(()),
@@ -143,7 +143,7 @@ fn check_table(path: &Path) -> Result<()> {
     }
 }
 
-/// The columns, with the variable along the axis of the plot.
+/// The columns, including the variable along the axis of the plot.
 fn with_axis(mut columns: Vec<Column>, model: &Component, arguments: &Arguments) -> Result<Vec<Column>> {
     if let Some(name) = &arguments.x
         && !columns.iter().any(|column| column.name == *name)
@@ -153,7 +153,7 @@ fn with_axis(mut columns: Vec<Column>, model: &Component, arguments: &Arguments)
     Ok(columns)
 }
 
-/// Draw what was recorded, over time or over one of the variables.
+/// Draw the recorded variables, over time or over one of the variables.
 fn draw(workspace: &Workspace, path: &Path, title: &str, recorded: &Recorded, axis: Option<&str>) -> Result<()> {
     let values = |k: usize| recorded.plotted.iter().map(|row| row[k]).collect();
     let time = Series { name: "time", unit: Some(Unit::Second), values: values(0) };
@@ -163,7 +163,7 @@ fn draw(workspace: &Workspace, path: &Path, title: &str, recorded: &Recorded, ax
     plot::write(workspace, path, title, &along.pop().unwrap_or(time), &lines)
 }
 
-/// The writer of a table: Parquet if its name ends so, else CSV.
+/// The writer of a table: Parquet for names that end in .parquet, else CSV.
 fn writer(path: &Path, columns: &[Column]) -> Result<Writer> {
     match extension(path).as_str() {
         "parquet" => Writer::begin::<Parquet>(path, columns),
@@ -175,7 +175,7 @@ fn extension(path: &Path) -> String {
     path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase()
 }
 
-/// What the run gave, in some lines.
+/// Results of the run in a few lines.
 fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
     eprintln!("{} steps to {:?} s, computed in {elapsed:.3} s", ended.steps, ended.time);
     let files = [&arguments.output_file, &arguments.plot, &arguments.gif];
@@ -183,7 +183,7 @@ fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed:
         eprintln!("{}", path.display());
     }
     if files.iter().all(|file| file.is_none()) {
-        // Without a file the last row is the answer.
+        // Without a file the last row is printed.
         for (column, value) in recorded.columns.iter().zip(&recorded.last) {
             println!("{}\t{value:?}\t{}", column.name, column.unit.map_or("", |unit| unit.name()));
         }

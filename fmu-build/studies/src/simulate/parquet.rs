@@ -9,7 +9,7 @@ use std::fs::File;
 /// The file.
 pub struct Parquet {
     table: Table,
-    /// Rows of the row group that is being filled.
+    /// Number of rows of the present row group.
     rows: usize,
 }
 
@@ -34,7 +34,7 @@ impl Format for Parquet {
                 match column {
                     Values::Numbers(numbers) => numbers.push(*value),
                     Values::Truths(truths) => truths.push(*value != 0.0),
-                    // A run records neither.
+                    // A run records none of these types.
                     Values::Whole(_) | Values::Texts(_) => {}
                 }
             }

@@ -1,16 +1,16 @@
-//! How far a study is: part, rate, time left.
+//! Progress of a study: part, rate, remaining time.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 
-/// Called with the number of runs that are done and of all runs, on the thread that asked for the study.
+/// Called with the number of completed runs and of all runs, on the thread that started the study.
 pub type Watch<'a> = &'a dyn Fn(u64, u64);
 
-/// The bar; nothing where the error output is no terminal.
+/// The progress bar. Nothing is shown if the error output is no terminal.
 pub struct Bar<'a>(ProgressBar, Option<Watch<'a>>);
 
 impl<'a> Bar<'a> {
-    /// A bar of so many runs, of which some are done; without a bar for one who watches.
+    /// A bar for this number of runs, of which some are completed. With `watch` no bar is shown.
     pub fn new(runs: u64, done: u64, watch: Option<Watch<'a>>) -> Self {
         if watch.is_some() || !std::io::stderr().is_terminal() {
             return Self(
@@ -23,17 +23,17 @@ impl<'a> Bar<'a> {
         let bar = ProgressBar::new(runs);
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         bar.set_position(done);
-        // The rate counts from here.
+        // The rate is measured from here on.
         bar.reset_eta();
         Self(bar, None)
     }
 
-    /// Show this behind the bar.
-    pub fn tell(&self, text: String) {
+    /// Show this text after the bar.
+    pub fn show(&self, text: String) {
         self.0.set_message(text);
     }
 
-    /// So many more runs are done.
+    /// Add completed runs.
     pub fn add(&self, runs: u64) {
         self.0.inc(runs);
         if let Some(watch) = self.1 {

@@ -1,7 +1,7 @@
-//! Studies that ask for nothing but the time of a stop, by the energy integral.
+//! Studies with the time of a stop as the only result, by the energy integral.
 //!
-//! In: what all runs share, the design, a model. Out: the times of many runs together; NaN for a run that is to be made
-//! step by step. It must not know mechanics.
+//! In: the common data of all runs, the design, a model. Out: the times of many runs. NaN stands for a run that must be
+//! made step by step. The module must not know mechanics.
 
 use super::design::Design;
 use super::responses::Measure;
@@ -11,11 +11,12 @@ use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::TravelTime;
 use linkage_fmu::variables::Kind;
 
-/// Most runs by whose times positions are selected.
+/// Largest number of runs from whose times positions are selected.
 const SAMPLES: u64 = 64;
-/// The golden section: its multiples are spread evenly, however many there are.
+/// The golden section. Any number of its multiples is distributed evenly.
 const GOLDEN: f64 = 0.618_033_988_749_894_8;
-/// Largest part of the stop time that a time may be: nearer to it, rounding would decide whether the run gets there.
+/// Largest ratio of a time to the stop time. Nearer to the stop time, rounding would decide whether the run reaches the
+/// stop.
 const BEFORE_STOP: f64 = 1.0 - 1e-9;
 
 /// The time of the stop as a function of the factors.
@@ -26,11 +27,11 @@ pub struct ByEnergy {
 }
 
 impl ByEnergy {
-    /// The function, where a run is nothing but the way to the stop that ends it, under factors that are constant
-    /// loads; None for any other study.
+    /// The function, if a run is only the motion to the stop that ends it, and its factors are constant loads. None for
+    /// any other study.
     ///
     /// # Errors
-    /// The model refuses values that all runs share.
+    /// The model rejects common values of all runs.
     pub fn new(task: &Task, design: &Design, model: Component) -> Result<Option<Self>> {
         let Task { factors, scenario, responses, .. } = task;
         let Some(stop) = scenario.stop_at else { return Ok(None) };
@@ -44,7 +45,7 @@ impl ByEnergy {
         let Some(model) = Runner::new(task, model)?.started() else { return Ok(None) };
         let (mut samples, mut point, mut design, runs) = (Vec::new(), Vec::new(), design.clone(), design.runs());
         for sample in 0..SAMPLES.min(runs) {
-            // Spread over all runs, without the period of a grid.
+            // Distributed over all runs, without the period of a grid.
             let spread = || ((sample as f64 * GOLDEN).fract() * runs as f64) as u64;
             design.point(if runs <= SAMPLES { sample } else { spread() }, &mut point);
             samples.extend_from_slice(&point);

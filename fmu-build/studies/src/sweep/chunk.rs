@@ -1,7 +1,7 @@
-//! A chunk of runs: the unit in which a study is made, kept and resumed.
+//! A chunk of runs: the unit in which a study is made, stored and resumed.
 //!
-//! In: a design, a runner, the number of the chunk. Out: its bytes: for each run the values of factors and responses;
-//! then the remarks, each with its run and whether it is why the run failed.
+//! In: a design, a runner, the number of the chunk. Out: its bytes: for each run the values of factors and responses,
+//! then the remarks, each with its run and whether it is the reason of a failure.
 
 use super::by_energy::ByEnergy;
 use super::design::Design;
@@ -11,12 +11,12 @@ use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Most runs of a chunk.
+/// Largest number of runs of a chunk.
 const MOST: u64 = 1024;
-/// Chunks that a study has at least, if it has as many runs.
+/// Smallest number of chunks of a study, if it has as many runs.
 const FEWEST: u64 = 256;
 
-/// How the runs of a study are cut into chunks.
+/// Division of the runs of a study into chunks.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
     runs: u64,
@@ -24,7 +24,7 @@ pub struct Cut {
 }
 
 impl Cut {
-    /// Chunks of so many runs in all: small ones if the runs are few, so that all threads have some.
+    /// Chunks for this number of runs: small chunks if there are few runs, so that all threads have some.
     pub fn new(runs: u64) -> Self {
         Self { runs, each: (runs / FEWEST).clamp(1, MOST) }
     }
@@ -40,16 +40,16 @@ impl Cut {
     }
 }
 
-/// What a run gave besides numbers.
+/// A remark about a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Remark<'a> {
-    /// Whether it says why the run failed.
+    /// Whether it is the reason of a failure.
     pub is_failure: bool,
     /// One line of text.
     pub text: &'a str,
 }
 
-/// The bytes of a chunk that grows.
+/// The bytes of a chunk in progress.
 #[derive(Debug, Default)]
 pub struct Writer {
     values: Vec<u8>,
@@ -57,7 +57,7 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Add a run, the one of this index in the chunk.
+    /// Add the run with this index in the chunk.
     pub fn add(&mut self, index: u32, values: [&[f64]; 2], remark: Remark) {
         for value in values.into_iter().flatten() {
             self.values.extend_from_slice(&value.to_le_bytes());
@@ -70,14 +70,14 @@ impl Writer {
         }
     }
 
-    /// All bytes.
+    /// All bytes of the chunk.
     pub fn finish(mut self) -> Vec<u8> {
         self.values.append(&mut self.remarks);
         self.values
     }
 }
 
-/// Make the runs of a chunk; none if the user wishes to stop before its end. Times that `by_energy` gives need no run.
+/// Make the runs of a chunk. None if the user stops the study. Times from `by_energy` need no run.
 pub fn make(
     cut: &Cut,
     chunk: u64,
@@ -112,7 +112,7 @@ pub fn make(
     Some(writer.finish())
 }
 
-/// Make one run, whatever comes: whether it failed, and a remark or why.
+/// Make one run. Returns whether it failed, and a remark or the reason. A panic counts as a failure.
 pub fn run_one(runner: &mut Runner, point: &[f64], values: &mut [f64]) -> (bool, String) {
     match catch_unwind(AssertUnwindSafe(|| runner.run(point, values))) {
         Ok(Ok(remark)) => (false, remark),
@@ -125,10 +125,10 @@ pub fn run_one(runner: &mut Runner, point: &[f64], values: &mut [f64]) -> (bool,
     }
 }
 
-/// Read the bytes of a chunk: `take` is called for each run with its index, its values, and its remark.
+/// Read the bytes of a chunk. `take` is called for each run with its index, its values, and its remark.
 ///
 /// # Errors
-/// The bytes are no chunk of so many runs and columns; an error of `take`.
+/// The bytes are no chunk with this number of runs and columns; an error of `take`.
 pub fn read(
     bytes: &[u8],
     runs: u64,
@@ -205,7 +205,7 @@ mod tests {
         .unwrap();
         assert_eq!(count, 3);
         for cut in 0..bytes.len() {
-            // Where a remark ends, the bytes are whole but for the next one.
+            // If the cut is at the end of a remark, only the next remark is missing.
             let whole = read(&bytes[..cut], 3, 3, |_, _, _| Ok(())).is_ok();
             assert!(!whole || [72, 84].contains(&cut), "{cut}");
         }

@@ -1,7 +1,7 @@
 //! A cluster of Dask that makes the chunks of a study.
 //!
-//! In: the chunks to be made. Out: their bytes, in the order in which they are done. A program in Python hands them to
-//! the workers, which run the packed FMU through FMPy; Dask makes the chunk of a worker that is lost again.
+//! In: the chunks to make. Out: their bytes, in the order in which they are completed. A Python program passes them to
+//! the workers, which run the packed FMU through FMPy. Dask repeats the chunk of a lost worker.
 
 use super::chunk::{self, Cut};
 use super::design::Design;
@@ -25,40 +25,40 @@ use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The program, and what it needs.
+/// The Python program.
 const PROGRAM: &str = "cluster.py";
 const REQUIREMENTS: &str = "cluster.txt";
-/// Number of a chunk that stands for an error.
+/// Number of the chunk that represents an error.
 const FATAL: u64 = u64::MAX;
-/// Time between two looks at the user's wish to stop.
+/// Time between two checks of the user's request to stop.
 const LOOK: Duration = Duration::from_millis(100);
 /// Time in which the program may end by itself.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Where the workers are.
+/// Location of the workers.
 #[derive(Clone, Debug)]
 pub enum Workers {
-    /// So many processes on this machine.
+    /// This number of processes on this machine.
     Local(u16),
-    /// Those of a scheduler at this address.
+    /// Workers of the scheduler at this address.
     Of(String),
 }
 
-/// What the cluster runs.
+/// The work of the cluster.
 pub struct Work<'a> {
-    /// What all runs share.
+    /// Common data of all runs.
     pub task: &'a Task,
     /// Values of the factors.
     pub design: &'a Design,
-    /// How the runs are cut into chunks.
+    /// Division of the runs into chunks.
     pub cut: &'a Cut,
 }
 
-/// The FMU of the mechanism at this path: itself, if it is of FMI 2.0 and of this program, so that its variables and
-/// its bits are those of the model here; else one that is packed into the folder.
+/// The FMU of the mechanism at this path. A given FMU of FMI 2.0 from this program is used directly, so that its
+/// variables and its results are identical to those of the model here. Otherwise an FMU is packed into the folder.
 ///
 /// # Errors
-/// The FMU cannot be read; none can be packed.
+/// The FMU cannot be read, or no FMU can be packed.
 pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder: &Path) -> Result<PathBuf> {
     if !fmu::is_fmu(mechanism) {
         return pack(workspace, mechanism, folder);
@@ -95,10 +95,10 @@ fn pack(workspace: &Workspace, mechanism: &Path, folder: &Path) -> Result<PathBu
     package::run(workspace, &arguments)?.into_iter().next().context("no FMU was packed")
 }
 
-/// Make these chunks; `keep` is called with each that is done. With `stop_wish`, chunks that are being made are left.
+/// Make these chunks. `keep` is called with each completed chunk. With `stop_wish`, active chunks are abandoned.
 ///
 /// # Errors
-/// Python's environment or the cluster fails; a chunk that no worker could make; an error of `keep`.
+/// The Python environment or the cluster fails; no worker could make a chunk; an error of `keep`.
 pub fn run(
     workspace: &Workspace,
     workers: &Workers,
@@ -110,11 +110,11 @@ pub fn run(
 ) -> Result<()> {
     let scripts = workspace.python_scripts();
     let python = command::environment(&workspace.target("venv-cluster"), &scripts.join(REQUIREMENTS))?;
-    let told = folder.join("plan.json");
-    fs::write(&told, plan(work.task, interface).to_string())
-        .with_context(|| format!("{}: cannot be written", told.display()))?;
+    let plan_file = folder.join("plan.json");
+    fs::write(&plan_file, plan(work.task, interface).to_string())
+        .with_context(|| format!("{}: cannot be written", plan_file.display()))?;
     let mut program = Command::new(python);
-    program.arg(scripts.join(PROGRAM)).arg(fmu).arg(&told);
+    program.arg(scripts.join(PROGRAM)).arg(fmu).arg(&plan_file);
     match workers {
         Workers::Local(count) => program.args(["--workers", &count.to_string()]),
         Workers::Of(scheduler) => program.args(["--scheduler", scheduler]),
@@ -127,7 +127,7 @@ pub fn run(
     let (sender, done) = channel();
     let mut left = chunks.len();
     let result = thread::scope(|scope| {
-        scope.spawn(|| hand_over(input, work, chunks));
+        scope.spawn(|| send_chunks(input, work, chunks));
         scope.spawn(move || collect(output, &sender));
         let mut next = || -> Result<()> {
             while left > 0 && !stop_wish.load(Ordering::Relaxed) {
@@ -150,9 +150,9 @@ pub fn run(
         };
         let result = next();
         if result.is_err() || left > 0 {
-            // The program leaves the workers as they were when its plan is gone. The pipes end with it, and with them
-            // the two threads.
-            let _ = fs::remove_file(&told);
+            // When its plan is removed, the program ends and leaves the workers unchanged. The pipes end with the
+            // program, and the two threads with the pipes.
+            let _ = fs::remove_file(&plan_file);
             let patience = Instant::now() + PATIENCE;
             while matches!(child.try_wait(), Ok(None)) && Instant::now() < patience {
                 thread::sleep(LOOK);
@@ -162,7 +162,7 @@ pub fn run(
         result
     });
     let status = child.wait().with_context(|| format!("the program cannot wait for the end of {PROGRAM}"))?;
-    let _ = fs::remove_file(&told);
+    let _ = fs::remove_file(&plan_file);
     result?;
     if left == 0 && !status.success() {
         eprintln!("warning: all parts are complete, but {PROGRAM} ended with {status}");
@@ -170,8 +170,8 @@ pub fn run(
     Ok(())
 }
 
-/// Write the chunks for the program, each with the values of the factors of its runs. The program reads as it goes on.
-fn hand_over(input: ChildStdin, work: &Work, chunks: &[u64]) {
+/// Write the chunks for the program, each with the factor values of its runs. The program reads them during its work.
+fn send_chunks(input: ChildStdin, work: &Work, chunks: &[u64]) {
     let (mut input, mut design, mut point) = (BufWriter::new(input), work.design.clone(), Vec::new());
     let mut write = || -> std::io::Result<()> {
         for chunk in chunks {
@@ -186,11 +186,11 @@ fn hand_over(input: ChildStdin, work: &Work, chunks: &[u64]) {
         }
         Ok(())
     };
-    // A program that has ended tells why by itself.
+    // A program that has ended prints the reason itself.
     let _ = write();
 }
 
-/// Read the chunks that are made until the program ends.
+/// Read the completed chunks until the program ends.
 fn collect(mut output: ChildStdout, sender: &Sender<(u64, Vec<u8>)>) {
     let mut next = || -> std::io::Result<()> {
         loop {
@@ -206,6 +206,6 @@ fn collect(mut output: ChildStdout, sender: &Sender<(u64, Vec<u8>)>) {
             }
         }
     };
-    // At the end of the pipe.
+    // The pipe has ended.
     let _ = next();
 }

@@ -1,4 +1,4 @@
-//! The results of a study as CSV, every number in the fewest digits that give it back.
+//! The results of a study as CSV. Every number has the fewest digits from which it can be read back.
 
 use super::chunk::Remark;
 use super::table::{Column, Content, Format, OWN};

@@ -1,7 +1,7 @@
-//! A study as its file states it.
+//! The definition of a study.
 //!
-//! In: the text of `study.json`. Out: its sections, each key with a value of its type. It must not know the model:
-//! names of variables are only texts here.
+//! In: the text of `study.json`. Out: its sections, in which each key has a value of its type. The module must not know
+//! the model: names of variables are only texts.
 
 use anyhow::{Context, Result};
 use fmu_build::files;
@@ -158,9 +158,9 @@ words! {
 /// An input over time.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// The same value all the time.
+    /// A constant value.
     Constant(Setting),
-    /// From point to point, each a time [s] and a value.
+    /// Linear between points of a time [s] and a value.
     Points(Vec<[f64; 2]>),
 }
 
@@ -213,10 +213,10 @@ impl Own for Input {
 }
 
 impl Definition {
-    /// Read a file; its text as well.
+    /// Read a file. Also returns its text.
     ///
     /// # Errors
-    /// The file cannot be read; the key at fault, with its value and what is allowed.
+    /// The file cannot be read; the faulty key, with its value and the allowed values.
     pub fn read(path: &Path) -> Result<(Self, String)> {
         let shown = path.display();
         let bytes = files::read(path, LARGEST_DEFINITION)?;
@@ -245,7 +245,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn wrong_entries_are_errors_with_their_key() {
         for (text, said) in [
             (r#"{ "mechanism": "a", "responses": {} }"#, "responses: is empty"),
             (r#"{ "mechanism": "a" }"#, "the key `responses` is missing"),

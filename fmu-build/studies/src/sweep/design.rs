@@ -1,8 +1,8 @@
-//! The design of a study: which values the factors have in each run.
+//! The design of a study: the values of the factors in each run.
 //!
-//! In: factors, samples, points of a file. Out: the values of any run, the same whichever was asked for before. Every
-//! point of the file is combined with every point of the grid, and these with every sample; runs are in this order, and
-//! of the grid the factor stated last changes first. It must not know how a run is made.
+//! In: factors, samples, points of a file. Out: the values of any run, in any order of calls. Every point of the file
+//! is combined with every point of the grid, and these with every sample. The runs have this order. In the grid the
+//! last stated factor changes first. The module must not know how a run is made.
 
 use super::definition::{self, Definition, Normal};
 use super::factor::{Factor, Source, coded, variable};
@@ -16,10 +16,10 @@ use statrs::distribution::ContinuousCDF;
 use statrs::statistics::Distribution;
 use std::path::Path;
 
-/// Most runs of a study: their numbers are exact as doubles.
+/// Largest number of runs of a study: their numbers are exact as doubles.
 const MOST_RUNS: u64 = 1 << 53;
 
-/// Factors of one kind that are set in one call.
+/// Factors of one type that one call sets.
 #[derive(Clone, Debug)]
 pub struct Call {
     /// Their kind.
@@ -30,10 +30,10 @@ pub struct Call {
 }
 
 impl Call {
-    /// Set the values of these factors in a run; a Boolean is 1 for true, a text is told by its index.
+    /// Set the values of these factors in a run. A Boolean is 1 for true, a text is given by its index.
     ///
     /// # Errors
-    /// The model refuses one of the values, or what follows from them.
+    /// The model rejects one of the values, or a value that follows from them.
     pub fn apply(
         &self,
         model: &mut Component,
@@ -49,7 +49,7 @@ impl Call {
         self.factors.iter().zip(&self.references).try_for_each(|(index, reference)| {
             let (factor, value) = (&factors[*index], point[*index]);
             match self.kind {
-                // Of a file that has changed since it was checked.
+                // A value of a file that has changed since the check.
                 _ if value.is_nan() => Err(Refused(format!("{} has no value", factor.name))),
                 Kind::Boolean => model.set_boolean(*reference, value != 0.0),
                 _ => model.set_text(*reference, &factor.texts[value as usize]),
@@ -82,15 +82,15 @@ pub struct Design {
     factors: Vec<Factor>,
     points: Option<Points>,
     cube: Option<UnitCube>,
-    /// Number of points of the file, of points of the grid, of samples.
+    /// Number of points of the file, of points of the grid, and of samples.
     counts: [u64; 3],
 }
 
 impl Design {
-    /// The design that a study in `folder` states for this model.
+    /// The design of a study in `folder` for this model.
     ///
     /// # Errors
-    /// A name that no parameter or input has; what is wrong with a factor, the samples, or the file of points.
+    /// A name is no parameter or input; a fault of a factor, of the samples, or of the file of points.
     pub fn new(study: &Definition, folder: &Path, model: &Component) -> Result<Self> {
         let (mut factors, mut dimensions) = (Vec::new(), 0);
         let mut counts = [1, 1, 1];
@@ -141,10 +141,10 @@ impl Design {
         self.counts.iter().product()
     }
 
-    /// A warning about a parameter whose mean in the study is far from its value in the definition, as where
-    /// coordinates of a drawing are given for a point, which a body has in its own frame.
+    /// A warning about a parameter whose mean in the study is far from its value in the definition. An example is a
+    /// point of a body whose coordinates are given in the frame of a drawing.
     pub fn far_from_definition(&self, model: &mut Component) -> Option<String> {
-        /// Ratio of mean and value beyond which one of both is probably wrong.
+        /// Ratio of mean and value above which one of them is probably wrong.
         const FAR: f64 = 10.0;
         let normal = self.factors.iter().filter_map(|factor| match &factor.source {
             Source::Normal(normal, _) => Some((factor, normal.mean()?)),
@@ -173,7 +173,7 @@ impl Design {
         let (mut of_grid, of_file) = (rest % grid, rest / grid);
         let line = self.points.as_mut().map_or(&[][..], |points| points.line(of_file));
         values.resize(self.factors.len(), 0.0);
-        // Of the grid the last factor changes first.
+        // In the grid the last factor changes first.
         for (factor, value) in self.factors.iter().zip(values.iter_mut()).rev() {
             let mut index_of = |count: u64| {
                 let index = of_grid % count;
@@ -278,7 +278,8 @@ fn factor(
 /// The factors that an optimisation varies, each with its bounds.
 ///
 /// # Errors
-/// There is none; a name that no number has; bounds that are missing or not in order; other values beside them.
+/// There is no factor; a name is no number of the model; bounds are missing or not in order, or given together with
+/// values.
 pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
         bail!(

@@ -1,6 +1,6 @@
-//! What a large study asks for, told before it begins: room on the disk and time.
+//! Disk space and time of a large study, reported before its start.
 //!
-//! In: the number of runs and of columns, a run that is measured. Out: one line of text, of large studies only.
+//! In: the number of runs and of columns, a measured run. Out: one line of text for a large study.
 
 use super::chunk::Cut;
 use super::design::Design;
@@ -9,17 +9,17 @@ use anyhow::{Result, bail};
 use linkage_fmu::component::Component;
 use std::time::Instant;
 
-/// Runs beyond which a study is large.
+/// Number of runs above which a study is large.
 const MANY: u64 = 1_000_000_000;
-/// Largest number of runs: the list of the parts that are to be made takes a gigabyte then.
+/// Largest number of runs: the list of the parts to make then needs 1 GB.
 const MOST: u64 = 100_000_000_000;
-/// Runs that are made to be measured, after one that makes the tables.
+/// Number of measured runs, after one run that builds the tables.
 const MEASURED: u64 = 3;
 
-/// What to tell of a study before it begins; None of one that is not large. A few of its runs are made.
+/// The warning about a study before its start. None if it is not large. A few of its runs are made.
 ///
 /// # Errors
-/// As `model`; the model refuses the values that all runs share; more than [`MOST`] runs.
+/// As for `model`, or the model rejects common values of all runs, or there are more than [`MOST`] runs.
 pub fn warning(
     task: &Task,
     design: &Design,
@@ -49,13 +49,13 @@ pub fn warning(
         }
     }
     let seconds = began.elapsed().as_secs_f64() / MEASURED as f64;
-    // Beside the columns a row has its number.
+    // In addition to the columns, a row contains its number.
     let bytes = 8.0 * (task.factors.len() + values.len() + 1) as f64;
-    Ok(Some(told(design.runs(), cut.chunks(), bytes, seconds)))
+    Ok(Some(announcement(design.runs(), cut.chunks(), bytes, seconds)))
 }
 
-/// The line for so many runs, with rows of these bytes and this time for each run [s].
-fn told(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
+/// The line for this number of runs, with the size of a row in bytes and the time of a run [s].
+fn announcement(runs: u64, chunks: u64, bytes: f64, seconds: f64) -> String {
     let all = runs as f64;
     format!(
         "{runs} runs: the results will need about {} on the disk. Until all runs are complete, the study needs the \
@@ -72,7 +72,7 @@ const BYTES: [(f64, &str); 5] = [(1.0, "B"), (1e6, "MB"), (1e9, "GB"), (1e12, "T
 const TIMES: [(f64, &str); 6] =
     [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (3600.0, "hours"), (86_400.0, "days"), (31_557_600.0, "years")];
 
-/// A quantity with two digits in the largest unit of which it has one.
+/// A quantity with two digits in the largest unit in which it is at least 1.
 fn amount(value: f64, units: &[(f64, &str)]) -> String {
     let (unit, name) = units.iter().rev().find(|(unit, _)| value >= *unit).unwrap_or(&units[0]);
     let value = value / unit;
@@ -82,7 +82,7 @@ fn amount(value: f64, units: &[(f64, &str)]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{BYTES, TIMES, amount, told};
+    use super::{BYTES, TIMES, amount, announcement};
 
     #[test]
     fn amounts_have_the_largest_unit() {
@@ -96,8 +96,8 @@ mod tests {
     }
 
     #[test]
-    fn a_large_study_is_told_with_its_size_and_its_time() {
-        let line = told(10_000_000_000, 9_765_625, 40.0, 2e-5);
+    fn a_large_study_is_announced_with_its_size_and_its_time() {
+        let line = announcement(10_000_000_000, 9_765_625, 40.0, 2e-5);
         assert!(line.starts_with("10000000000 runs: the results will need about 400 GB on the disk"), "{line}");
         assert!(line.contains("If each run needs 20 us") && line.contains("about 2.3 days on one core"), "{line}");
     }

@@ -1,4 +1,4 @@
-//! What a study varies: a parameter or an input of the model, and its values as numbers.
+//! The factors of a study: parameters or inputs of the model, and their values as numbers.
 
 use super::definition::Setting;
 use anyhow::{Context, Result, bail};
@@ -6,7 +6,7 @@ use fmu_build::start_values::find;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Kind, Reference, Unit};
 
-/// Where the values of a factor come from.
+/// Source of the values of a factor.
 #[derive(Clone, Debug)]
 pub enum Source {
     /// A list.
@@ -21,20 +21,20 @@ pub enum Source {
     Column(usize),
 }
 
-/// A variable that differs from run to run.
+/// A variable that differs between runs.
 #[derive(Clone, Debug)]
 pub struct Factor {
     /// Its name.
     pub name: String,
     /// Its reference.
     pub reference: Reference,
-    /// Its kind: Real, Boolean or String.
+    /// Its type: Real, Boolean or String.
     pub kind: Kind,
     /// Its unit.
     pub unit: Option<Unit>,
-    /// The texts of a String, which stand for their indices.
+    /// The texts of a String. A value is the index of its text.
     pub texts: Vec<String>,
-    /// Where its values come from.
+    /// Source of its values.
     pub source: Source,
 }
 
@@ -52,7 +52,8 @@ pub fn variable(key: &str, name: &str, model: &Component) -> Result<Factor> {
 /// The parameter or input of this name.
 ///
 /// # Errors
-/// There is none; with `remedy` for what is never set. What follows from other parameters is refused with their names.
+/// No variable has the name; with `remedy` for variables that cannot be set. For a calculated parameter the message
+/// names the parameters in its expression.
 pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Result<Reference> {
     let reference = find(model.interface(), name).with_context(|| key.to_owned())?;
     let causality = model.interface().list()[reference as usize].causality;
@@ -66,10 +67,10 @@ pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Resul
     }
 }
 
-/// A value as a number; a text that is new is added to those of the factor.
+/// A value as a number. A new text is added to the texts of the factor.
 ///
 /// # Errors
-/// The value is of another kind than the variable.
+/// The value has another type than the variable.
 pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
     match (factor.kind, value) {
         (Kind::Real, Setting::Real(value)) => Ok(*value),

@@ -1,18 +1,18 @@
 //! Direction numbers of Sobol's sequence (Joe and Kuo 2008, the criterion D(6)).
 //!
-//! In: a dimension. Out: for each bit of the number of a point what it changes in the coordinate. The table of the
-//! authors stands in `joe_kuo/directions.txt`, with its licence next to it.
+//! In: a dimension. Out: for each bit of the number of a point, its effect on the coordinate. `joe_kuo/directions.txt`
+//! contains the table of the authors, and its licence is next to it.
 
 /// For each dimension from the second on: its number, the degree s and the inner coefficients a of a primitive
 /// polynomial, and the first s direction numbers.
 const TABLE: &str = include_str!("joe_kuo/directions.txt");
-/// Bits of a direction.
+/// Number of bits of a direction.
 const WORD: usize = u64::BITS as usize;
 
-/// Most dimensions.
+/// Largest number of dimensions.
 pub const DIMENSIONS: usize = 100;
 
-/// Directions of so many dimensions for the first `bits` bits of the number of a point.
+/// Directions of this number of dimensions for the first `bits` bits of the number of a point.
 pub fn directions(dimensions: usize, bits: usize) -> Vec<Vec<u64>> {
     let first = (1..=bits).map(|bit| 1 << (WORD - bit)).collect();
     // The first line is a heading.
@@ -40,8 +40,8 @@ fn of_polynomial(starts: &[u64], inner: u64, bits: usize) -> Vec<u64> {
 mod tests {
     use super::*;
 
-    /// The first direction number of a dimension halves the unit interval; all are odd multiples of their bit, so that
-    /// the first 2^n points are one in each of 2^n equal parts.
+    /// The first direction number of a dimension halves the unit interval, and all direction numbers are odd multiples
+    /// of their bit. Therefore each of 2^n equal parts contains one of the first 2^n points.
     #[test]
     fn each_dimension_is_a_sequence_of_equal_parts() {
         let all = directions(DIMENSIONS, 53);
@@ -49,7 +49,7 @@ mod tests {
         for directions in &all {
             assert!(directions.iter().zip(1..).all(|(v, bit)| v.trailing_zeros() == u64::BITS - bit), "{directions:?}");
         }
-        // The table of the authors: dimension 3 has s = 2, a = 1, m = 1, 3; then 3, 9, 29, 23.
+        // Table of the authors: dimension 3 has s = 2, a = 1, m = 1, 3; then 3, 9, 29, 23.
         let numbers: Vec<u64> = all[2].iter().zip(1..).map(|(v, bit)| v >> (64 - bit)).take(6).collect();
         assert_eq!(numbers, [1, 3, 3, 9, 29, 23]);
     }

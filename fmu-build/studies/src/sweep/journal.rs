@@ -1,8 +1,8 @@
-//! The journal of a study: the chunks that are done, in the order in which they were.
+//! The journal of a study: the completed chunks, in the order of their completion.
 //!
-//! In: chunks with their bytes. Out: which chunks are done, and their bytes again. A record has a check sum; what was
-//! being written when a run was ended is cut off, so that a chunk is there whole or not at all. It must not know what a
-//! chunk holds.
+//! In: chunks with their bytes. Out: the completed chunks and their bytes. A record has a checksum. An incomplete
+//! record at the end of an ended run is truncated, so that a chunk exists as a whole or not at all. The module must not
+//! know the content of a chunk.
 
 use anyhow::{Context, Result, bail};
 use linkage_fmu::codec::checksum::xxh64;
@@ -11,11 +11,11 @@ use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{BufReader, Read, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
-/// First bytes of a journal: its name and the version of its form.
+/// First bytes of a journal: its name and the version of its format.
 const MAGIC: &[u8; 8] = b"LFSWEEP2";
-/// Bytes before the first record.
+/// Number of bytes before the first record.
 const HEAD: u64 = 8 + 16;
-/// Bytes before those of a chunk: its number, their number, their check sum.
+/// Number of bytes before those of a chunk: its number, their number, their checksum.
 const RECORD: u64 = 24;
 
 /// The journal of one study.
@@ -23,17 +23,16 @@ const RECORD: u64 = 24;
 pub struct Journal {
     file: File,
     path: PathBuf,
-    /// Place and number of bytes of each chunk that is done.
+    /// Offset and number of bytes of each completed chunk.
     done: Records,
     end: u64,
 }
 
 impl Journal {
-    /// Open the journal of the study with this identity: a new one, or with `resumes` the one that stands there, if
-    /// there is one.
+    /// Open the journal of the study with this identity: a new one, or with `resumes` an existing one.
     ///
     /// # Errors
-    /// The file cannot be made or read; one stands there and is not to be resumed, is of another study, or is in use.
+    /// The file cannot be created or read; a journal exists without `resumes`, belongs to another study, or is in use.
     pub fn open(path: &Path, identity: u128, resumes: bool) -> Result<Self> {
         let shown = path.display();
         let stands = path.exists();
@@ -76,17 +75,17 @@ impl Journal {
         Ok(Self { file, path: path.to_path_buf(), done, end })
     }
 
-    /// Whether a chunk is done.
+    /// Whether a chunk is completed.
     pub fn has(&self, chunk: u64) -> bool {
         self.done.contains_key(&chunk)
     }
 
-    /// Number of chunks that are done.
+    /// Number of completed chunks.
     pub fn len(&self) -> u64 {
         self.done.len() as u64
     }
 
-    /// Add a chunk that is done. One that is there already is left as it is.
+    /// Add a completed chunk. An existing chunk stays unchanged.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -109,7 +108,7 @@ impl Journal {
         Ok(())
     }
 
-    /// The bytes of all chunks that are done, in the order of their numbers.
+    /// Read the bytes of all completed chunks in the order of their numbers.
     ///
     /// # Errors
     /// The file cannot be read; an error of `take`.
@@ -124,7 +123,7 @@ impl Journal {
         Ok(())
     }
 
-    /// Remove the journal, whose chunks are in the results.
+    /// Remove the journal after its chunks are in the results.
     ///
     /// # Errors
     /// The file cannot be removed.
@@ -133,10 +132,10 @@ impl Journal {
     }
 }
 
-/// Where the record of each chunk begins, and how long it is.
+/// Offset and length of the record of each chunk.
 type Records = BTreeMap<u64, (u64, u64)>;
 
-/// The whole records of a journal, and where they end; none if it is another one's.
+/// The complete records of a journal, and the offset of their end. None if the journal belongs to another study.
 fn read(file: &mut File, identity: u128) -> std::io::Result<Option<(Records, u64)>> {
     let length = file.metadata()?.len();
     file.seek(SeekFrom::Start(0))?;
@@ -207,7 +206,7 @@ mod tests {
             let expected = [(1, b"one".to_vec()), (4, b"four".to_vec())];
             assert_eq!(chunks, expected[..1 + usize::from(first)]);
         }
-        // A bit that has flipped.
+        // One flipped bit.
         let mut wrong = whole.clone();
         wrong[(HEAD + RECORD) as usize] ^= 1;
         fs::write(&path, &wrong).unwrap();

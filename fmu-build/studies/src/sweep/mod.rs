@@ -1,7 +1,7 @@
-//! `cargo fmu sweep`: many runs of a mechanism, as a study states them.
+//! `cargo fmu sweep`: many runs of a mechanism according to a study.
 //!
-//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design,
-//! whatever the threads and however often the study was ended and resumed. A run that fails is a row with its reason.
+//! In: a study: factors, a scenario, responses. Out: a table with a row for each run, in the order of the design, for
+//! any number of threads and also if the study was ended and resumed. A failed run has a row with its reason.
 
 mod bar;
 mod by_energy;
@@ -54,31 +54,31 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// The results, in the folder of the output.
+/// File of the results in the output folder.
 const PARQUET: &str = "runs.parquet";
 const CSV: &str = "runs.csv";
-/// The chunks that are done, while not all are.
+/// File of the completed chunks of an incomplete study.
 const JOURNAL: &str = "runs.journal";
-/// What was done, once all is.
+/// File with the summary of a complete study.
 const SUMMARY: &str = "study.json";
 
-/// What is told of a study that is complete.
+/// Summary of a complete study.
 #[derive(Debug, Deserialize, Serialize)]
 struct Summary {
-    /// What the study and all that it refers to say.
+    /// Hash of the study and all files to which it refers.
     identity: String,
     runs: u64,
     failed: u64,
 }
 
-/// A study with all that it refers to.
+/// A study with all data to which it refers.
 struct Study {
     definition: Definition,
     task: Task,
     design: Design,
     cut: Cut,
     model: fmu::Definition,
-    /// Where the mechanism is.
+    /// Path of the mechanism.
     path: PathBuf,
     identity: u128,
 }
@@ -86,8 +86,7 @@ struct Study {
 /// Make the runs of a study and write their results.
 ///
 /// # Errors
-/// What is wrong with the study; the mechanism gives no model; a file that cannot be written. A run that fails is no
-/// error.
+/// A fault of the study; the mechanism gives no model; a file cannot be written. A failed run is no error.
 pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -> Result<Outcome> {
     let study = Study::read(workspace, &arguments.study)?;
     let columns = results::columns(&study.task)?;
@@ -121,7 +120,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     let mut journal = Journal::open(&out.join(JOURNAL), study.identity, arguments.resume)?;
     let (started, before) = (Instant::now(), journal.len());
     if let Err(error) = make(workspace, &study, arguments, (&mut journal, &out), watch) {
-        // Nothing to go on from: the next try is a first one.
+        // Without a completed chunk there is nothing to resume: the next attempt is a new one.
         if journal.len() == 0 {
             journal.remove()?;
         }
@@ -161,7 +160,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     Ok(Outcome::Complete)
 }
 
-/// Make the chunks that are not done.
+/// Make the missing chunks.
 fn make(
     workspace: &Workspace,
     study: &Study,
@@ -175,7 +174,7 @@ fn make(
     let make_model = || Ok(Component::from_definition(model.kind, &model.text)?);
     let by_energy = ByEnergy::new(task, design, make_model()?)?;
     let workers = match (&arguments.scheduler, arguments.workers) {
-        // Cheaper than to ask a worker.
+        // The energy integral needs less time than a request to a worker.
         _ if by_energy.is_some() => None,
         (Some(address), _) => Some(Workers::Of(address.clone())),
         (None, count) => count.map(Workers::Local),
@@ -223,7 +222,7 @@ impl Study {
         }
         let design = Design::new(&definition, &folder, &component).with_context(|| format!("{shown}"))?;
         let task = task(&definition, &folder, &component, design.factors()).with_context(|| format!("{shown}"))?;
-        // Values that all runs share are refused before the first run.
+        // Invalid common values are rejected before the first run.
         Runner::new(&task, component).with_context(|| format!("{shown}"))?;
         let cut = Cut::new(design.runs());
         let mut all = format!("{text}\0{}\0{}\0", model.kind, model.text);
@@ -236,12 +235,12 @@ impl Study {
     }
 }
 
-/// A study as its file states it, with the model of its mechanism.
+/// A study from its file, with the model of its mechanism.
 struct Stated {
     definition: Definition,
     text: String,
     folder: PathBuf,
-    /// Where the mechanism is.
+    /// Path of the mechanism.
     mechanism: PathBuf,
     model: fmu::Definition,
     component: Component,
@@ -264,7 +263,7 @@ impl Stated {
     }
 }
 
-/// What all runs of a study share.
+/// Common data of all runs of a study.
 fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
     let scenario = Scenario::new(definition, folder, component, factors, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {

@@ -1,7 +1,7 @@
-//! The pictures of a study: a page for the browser and PNG files, drawn by a program in Python from the results.
+//! The pictures of a study: a page for the browser and PNG files, drawn by a Python program from the results.
 //!
-//! In: the results, and what their columns stand for. Out: files in the folder of the results. It must not know how a
-//! run is made.
+//! In: the results, and the meaning of their columns. Out: files in the folder of the results. The module must not know
+//! how a run is made.
 
 use super::definition::{Definition, Method};
 use super::table::{Column, Content};
@@ -12,16 +12,16 @@ use serde_json::json;
 use std::path::Path;
 use std::process::Command;
 
-/// The program, and what it needs.
+/// The Python program.
 const PROGRAM: &str = "study_page";
 const REQUIREMENTS: &str = "study.txt";
-/// The page, in the folder of the results.
+/// File of the page in the folder of the results.
 pub const PAGE: &str = "page.html";
 
-/// Draw the pictures of a study of this name into the folder that has the table. The first columns are the factors.
+/// Draw the pictures of a study with this name into the folder of the table. The first columns are the factors.
 ///
 /// # Errors
-/// Python's environment cannot be made, or the program fails.
+/// The Python environment cannot be created, or the program fails.
 pub fn draw(
     workspace: &Workspace,
     (name, definition): (&str, &Definition),

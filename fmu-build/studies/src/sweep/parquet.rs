@@ -6,7 +6,7 @@ use crate::parquet_file::{Table, VALUES, Values};
 use anyhow::Result;
 use std::fs::File;
 
-/// Most rows of a row group, as a remark may be long.
+/// Largest number of rows of a row group, because a remark may be long.
 const MOST_ROWS: usize = 1 << 16;
 
 /// The file.
@@ -56,14 +56,14 @@ impl Format for Parquet {
     }
 }
 
-/// Add a value to a column: the number, or the text if it is one of texts.
+/// Add a value to a column: the number, or the text with this index.
 #[inline]
 fn put(column: &mut Values, number: f64, text: &str) {
     match column {
         Values::Whole(runs) => runs.push(number as i64),
         Values::Numbers(numbers) => numbers.push(number),
         Values::Truths(truths) => truths.push(number != 0.0),
-        // Most texts are that of the row before, and share its bytes.
+        // Most texts equal that of the previous row, and share its bytes.
         Values::Texts(all) => all.push(match all.last().filter(|last| last.data() == text.as_bytes()) {
             Some(last) => last.clone(),
             None => text.into(),

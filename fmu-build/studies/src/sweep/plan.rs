@@ -1,7 +1,7 @@
-//! What the workers of a cluster need to know of a study, as JSON.
+//! The data of a study for the workers of a cluster, as JSON.
 //!
-//! In: what all runs share. Out: variables by reference, steps, responses; texts of messages, so that they are the same
-//! there.
+//! In: the common data of all runs. Out: variables by reference, steps, responses, and texts of messages, so that
+//! messages are equal.
 
 use super::responses::{Measure, Responses};
 use super::run::Task;
@@ -39,12 +39,12 @@ pub fn plan(task: &Task, interface: &Interface) -> Value {
         "stop_at": scenario.stop_at.as_ref().map(event),
         "stop_label": Decimal(scenario.stop()).to_string(),
         "events": responses.events.iter().map(event).collect::<Vec<_>>(),
-        "responses": told(responses, name),
+        "responses": described(responses, name),
         "columns": responses.columns.len(),
     })
 }
 
-/// What the workers call a kind of variables.
+/// Name of a type of variables in the plan.
 fn word(kind: Kind) -> &'static str {
     match kind {
         Kind::Real => "real",
@@ -73,8 +73,8 @@ fn kind_and_value(setting: Setting) -> (&'static str, Value) {
     }
 }
 
-fn told<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<Value> {
-    let told = |response: &super::responses::Response| {
+fn described<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<Value> {
+    let one = |response: &super::responses::Response| {
         let mut value = json!({
             "reference": response.observed.reference, "is_boolean": response.observed.is_boolean,
             "name": name(response.observed.reference), "column": response.column,
@@ -93,5 +93,5 @@ fn told<'a>(responses: &Responses, name: impl Fn(Reference) -> &'a str) -> Vec<V
         }
         value
     };
-    responses.list.iter().map(told).collect()
+    responses.list.iter().map(one).collect()
 }

@@ -1,8 +1,8 @@
 //! The points of a study in a file: a column for each factor, a line for each point.
 //!
-//! In: a CSV file. Out: the values of any line. The file is read once and checked; then blocks of lines are read where
-//! they are wanted, so that memory stays constant. It must not change meanwhile: a line that cannot be read again gives
-//! NaN, which no model takes.
+//! In: a CSV file. Out: the values of any line. The file is read once and checked. Later, blocks of lines are read when
+//! needed, so that the memory use is constant. If the file changes meanwhile, a line that cannot be read again gives
+//! NaN, which every model rejects.
 
 use super::definition::Setting;
 use super::factor::{Factor, coded, variable};
@@ -15,21 +15,21 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Lines of a block.
+/// Number of lines of a block.
 const LINES: u64 = 1024;
 
-/// The file with what is known of it.
+/// The file with its properties.
 #[derive(Debug)]
 pub struct Points {
     path: PathBuf,
     /// The factors, in the order of the columns.
     factors: Arc<Vec<Factor>>,
-    /// Where each block begins.
+    /// Start of each block.
     blocks: Arc<Vec<csv::Position>>,
     lines: u64,
-    /// The file, once it was read again.
+    /// The file, after it was opened again.
     reader: Option<csv::Reader<File>>,
-    /// The block that was read last, and its values line by line.
+    /// The last block that was read, and its values line by line.
     block: Option<u64>,
     values: Vec<f64>,
 }
@@ -45,7 +45,7 @@ impl Points {
     /// The points of a file for this model.
     ///
     /// # Errors
-    /// The file cannot be read; a column that no factor has, or that stands twice; a value that is none; no line.
+    /// The file cannot be read; a column is no factor, or duplicate; a value is invalid; there is no line.
     pub fn read(path: &Path, model: &Component) -> Result<Self> {
         let shown = path.display();
         let (mut reader, names) = csv_file::open(path)?;
@@ -111,7 +111,7 @@ impl Points {
         };
         reader.seek(self.blocks[block as usize].clone())?;
         let mut record = csv::StringRecord::new();
-        // All texts are known by now.
+        // All texts are known at this point.
         let mut factors = self.factors.as_ref().clone();
         while self.values.len() < wanted && reader.read_record(&mut record)? {
             for (text, factor) in record.iter().zip(&mut factors) {
@@ -164,7 +164,7 @@ mod tests {
             assert_eq!(points.line(line), expected);
             assert_eq!(other.line(4999 - k)[0], (4999 - k) as f64 + 0.25);
         }
-        // A file that has changed meanwhile gives no value that a model takes.
+        // A changed file gives no value that a model accepts.
         fs::write(&path, "crank.mass,solver.method,friction.enabled\n1,reduced,false\n").unwrap();
         assert!(points.clone().line(3000)[0].is_nan());
         fs::remove_file(&path).unwrap();

@@ -1,7 +1,7 @@
 //! The threads that make the chunks of a study on this machine.
 //!
-//! In: the chunks to be made. Out: their bytes, in the order in which they are done. Each thread has a model of its
-//! own, so that threads share nothing that is written.
+//! In: the chunks to make. Out: their bytes, in the order in which they are completed. Each thread has a separate
+//! model, so that threads share no mutable data.
 
 use super::by_energy::ByEnergy;
 use super::chunk::{self, Cut};
@@ -14,14 +14,14 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::sync_channel;
 
-/// Chunks of each thread that may wait to be kept.
+/// Number of chunks per thread that may wait to be stored.
 const WAITING: usize = 4;
 
-/// Make these chunks on so many threads; `keep` is called here with each that is done. With `stop_wish`, chunks that
-/// are being made are left.
+/// Make these chunks on this number of threads. `keep` is called on this thread with each completed chunk. With
+/// `stop_wish`, active chunks are abandoned.
 ///
 /// # Errors
-/// The threads cannot be made; a model cannot be made; an error of `keep`.
+/// The threads or a model cannot be created; an error of `keep`.
 pub fn run(
     threads: usize,
     (task, design, cut): (&Task, &Design, &Cut),
@@ -34,7 +34,7 @@ pub fn run(
     let pool = ThreadPoolBuilder::new().num_threads(threads).build().context("--threads")?;
     let (sender, done) = sync_channel(WAITING * threads);
     let chunks = Mutex::new(chunks);
-    // Set when no more chunks can be kept.
+    // Set when no more chunks can be stored.
     let has_failed = AtomicBool::new(false);
     let columns = task.responses.columns.len();
     let (chunks, has_failed) = (&chunks, &has_failed);
@@ -55,13 +55,13 @@ pub fn run(
                 Ok(())
             };
             if let Err(error) = work() {
-                // The other side may have gone.
+                // The receiver may have ended.
                 let _ = sender.send(Err(error));
             }
         });
         let result = done.iter().try_for_each(|made| made.and_then(|(chunk, bytes)| keep(chunk, bytes)));
         has_failed.store(result.is_err(), Ordering::Relaxed);
-        // Threads that wait to hand over a chunk go on.
+        // Threads that wait to pass a chunk continue.
         drop(done);
         result
     })

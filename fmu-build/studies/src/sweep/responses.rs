@@ -1,7 +1,7 @@
-//! The responses of a study: what is told of each run.
+//! The responses of a study: the recorded numbers of each run.
 //!
-//! In: the model at the communication instants of a run. Out: numbers, in the order of the columns; NaN where there is
-//! none.
+//! In: the model at the communication instants of a run. Out: numbers in the order of the columns. NaN stands for a
+//! missing value.
 
 use super::definition::{self, Definition};
 use super::scenario::{Event, Scenario, event};
@@ -12,12 +12,12 @@ use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::numerics::decimal::Decimal;
 use linkage_fmu::variables::{Kind, Reference, Unit};
 
-/// A variable that is read.
+/// A variable to read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Observed {
     /// Its reference.
     pub reference: Reference,
-    /// Whether it is true or false, told as 1 or 0.
+    /// Whether it is a Boolean, recorded as 1 or 0.
     pub is_boolean: bool,
 }
 
@@ -30,18 +30,18 @@ impl Observed {
     }
 }
 
-/// What is told.
+/// Measure of a response.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Measure {
     /// Time of an event, by its index among the events: one column.
     Event(usize),
     /// Value at the end: one column.
     Final,
-    /// Largest value (sign 1) or least value (sign -1) at the communication instants, and its time: two columns.
+    /// Largest value (sign 1) or smallest value (sign -1) at the communication instants, and its time: two columns.
     Extreme(f64),
     /// Integral over time by the trapezoidal rule: one column.
     Integral,
-    /// Root of the mean square over time: one column.
+    /// Root mean square over time: one column.
     RootMeanSquare,
     /// Values at these instants [s]: as many columns.
     Course(Vec<f64>),
@@ -50,9 +50,9 @@ pub enum Measure {
 /// A response.
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// The variable; of an event its flag.
+    /// The variable. For an event its flag.
     pub observed: Observed,
-    /// What is told of it.
+    /// The recorded measure.
     pub measure: Measure,
     /// Its first column.
     pub column: usize,
@@ -63,18 +63,18 @@ pub struct Response {
 pub struct Responses {
     /// In the order of the study.
     pub list: Vec<Response>,
-    /// The events whose times are told.
+    /// The events whose times are recorded.
     pub events: Vec<Event>,
     /// Names of the columns.
     pub columns: Vec<String>,
-    /// Their units; empty where there is none.
+    /// Their units. Empty for a number without unit.
     pub units: Vec<String>,
 }
 
 /// The instants that the responses of a study name [s].
 ///
 /// # Errors
-/// One is negative, not finite or stands twice; a list of none.
+/// A time is negative, not finite or duplicate, or a list is empty.
 pub fn instants(study: &Definition) -> Result<Vec<f64>> {
     let mut all = Vec::new();
     for (name, response) in study.responses.iter() {
@@ -98,11 +98,11 @@ pub fn instants(study: &Definition) -> Result<Vec<f64>> {
 }
 
 impl Responses {
-    /// The responses that a study states.
+    /// The responses of a study.
     ///
     /// # Errors
-    /// A name that no variable has, a response of no or of several kinds, one that needs communication instants where
-    /// the scenario has none, an instant after the end.
+    /// A name is unknown; a response has no measure or several; a measure needs communication instants, but the
+    /// scenario has none; an instant is after the end.
     pub fn new(study: &Definition, scenario: &Scenario, model: &Component) -> Result<Self> {
         let mut all = Self { list: Vec::new(), events: Vec::new(), columns: Vec::new(), units: Vec::new() };
         for (name, stated) in study.responses.iter() {
@@ -189,24 +189,24 @@ impl Responses {
         Ok(())
     }
 
-    /// Whether anything but times of events is told.
+    /// Whether a response other than the time of an event is recorded.
     pub fn read_states(&self) -> bool {
         self.list.iter().any(|response| !matches!(response.measure, Measure::Event(_)))
     }
 }
 
-/// The responses of one run, as it goes on.
+/// The responses of one run in progress.
 #[derive(Clone, Debug, Default)]
 pub struct Progress {
-    /// Of each response: the value at the last instant, and a sum over time.
+    /// For each response: the value at the last instant, and a sum over time.
     sums: Vec<[f64; 2]>,
     time: f64,
-    /// The first variable without a value, and when.
+    /// The first variable without a value, and the time.
     pub undefined: Option<(Reference, f64)>,
 }
 
 impl Progress {
-    /// Before the first instant; `values` are the columns.
+    /// Start before the first instant. `values` are the columns.
     pub fn begin(&mut self, responses: &Responses, values: &mut [f64]) {
         self.sums.clear();
         self.sums.resize(responses.list.len(), [0.0; 2]);
@@ -214,10 +214,11 @@ impl Progress {
         values.fill(f64::NAN);
     }
 
-    /// Read the model at an instant [s]; `is_first`, `is_last`: of the run.
+    /// Read the model at an instant [s]. `is_first`, `is_last`: whether the instant is the first or the last one of the
+    /// run.
     ///
     /// # Errors
-    /// The model refuses to tell a value.
+    /// The model rejects reading a value.
     pub fn observe(
         &mut self,
         responses: &Responses,
@@ -245,7 +246,7 @@ impl Progress {
                 Measure::Event(_) => {}
                 Measure::Final => own[0] = value,
                 Measure::Extreme(sign) => {
-                    // A value that does not exist is no extreme, and leaves none.
+                    // A missing value is no extreme value, and makes the extreme missing.
                     if is_first || value.is_nan() || sign * value > sign * own[0] {
                         [own[0], own[1]] = [value, if value.is_nan() { f64::NAN } else { time }];
                     }

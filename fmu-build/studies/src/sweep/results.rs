@@ -1,6 +1,6 @@
 //! The results of a study: a row for each run, in order, as Parquet and CSV.
 //!
-//! In: the chunks that are done. Out: files that are there whole or not at all. Memory stays constant.
+//! In: the completed chunks. Out: complete files, or none. The memory use is constant.
 
 use super::chunk::{self, Cut, Remark};
 use super::csv::Csv;
@@ -13,10 +13,10 @@ use linkage_fmu::variables::Kind;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-/// The columns between the number of the run and whether it failed: factors and responses.
+/// The columns between the number of the run and the flag of failure: factors and responses.
 ///
 /// # Errors
-/// Two columns have one name.
+/// Two columns have the same name.
 pub fn columns(task: &Task) -> Result<Vec<Column>> {
     let factors = task.factors.iter().map(|factor| {
         let content = match factor.kind {
@@ -38,14 +38,14 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
     Ok(all)
 }
 
-/// What is unusual about the runs of a study.
+/// Number of failed runs and of remarks in a study.
 #[derive(Debug, Default)]
 pub struct Unusual {
     /// Runs that failed.
     pub failed: u64,
-    /// Other runs with a remark, such as an event that did not happen.
+    /// Number of other runs with a remark, such as an event that did not happen.
     pub remarked: u64,
-    /// The remark of the first of these.
+    /// The first such remark.
     pub first: String,
 }
 
@@ -62,10 +62,10 @@ impl Unusual {
     }
 }
 
-/// Write the results of all chunks; the runs that are unusual.
+/// Write the results of all chunks. Returns the number of failed runs and remarks.
 ///
 /// # Errors
-/// A chunk is missing or damaged; a file cannot be written, and what stood there still stands.
+/// A chunk is missing or damaged, or a file cannot be written. An old file then remains.
 pub fn write(
     journal: &mut Journal,
     cut: &Cut,
@@ -98,7 +98,7 @@ pub fn write(
     Ok(unusual)
 }
 
-/// A file that gets its name when it is whole; until then it is removed if it goes no further.
+/// A file that gets its name when it is complete. Otherwise it is removed.
 pub struct Partial<F> {
     /// Closed before the file is removed.
     format: F,
@@ -106,21 +106,21 @@ pub struct Partial<F> {
     partial: Unfinished,
 }
 
-/// A file that is removed at the end, unless it has got another name.
+/// A file that is removed when this value is dropped, unless it was renamed.
 struct Unfinished(PathBuf);
 
 impl Drop for Unfinished {
     fn drop(&mut self) {
-        // A full disk is to have its place back; there is nothing to remove after a rename.
+        // The space on a full disk is released. After a rename nothing is removed.
         let _ = fs::remove_file(&self.0);
     }
 }
 
 impl<F: Format> Partial<F> {
-    /// Begin the file that will have this path.
+    /// Start the file for this path.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     pub fn begin(path: &Path, columns: &[Column], seed: Option<u64>) -> Result<Self> {
         let mut partial = path.as_os_str().to_owned();
         partial.push(".partial");
@@ -140,10 +140,10 @@ impl<F: Format> Partial<F> {
         added.with_context(|| format!("{}: cannot be written", self.partial.0.display()))
     }
 
-    /// Give the file its name.
+    /// Give the file its final name.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be renamed.
     pub fn end(self) -> Result<()> {
         let shown = || format!("{}: cannot be written", self.path.display());
         self.format.end().with_context(shown)?;

@@ -1,7 +1,7 @@
 //! One run of a study.
 //!
-//! In: a model, the values of the factors, the scenario. Out: the responses, or why the run failed; the model is then
-//! ready for the next run. Every run begins with an initialisation, so that none depends on those before it.
+//! In: a model, the values of the factors, the scenario. Out: the responses, or the reason of a failure. The model is
+//! then ready for the next run. Every run starts with an initialisation, so that no run depends on previous runs.
 
 use super::design::Call;
 use super::factor::Factor;
@@ -11,62 +11,62 @@ use anyhow::{Context, Result, bail};
 use linkage_fmu::component::{Component, Snapshot, Stepped};
 use linkage_fmu::numerics::decimal::Decimal;
 
-/// Time after an event at which its state is looked for first, relative to the time: rounding has a step that ends
-/// nearer mostly end before it.
+/// Relative distance after an event at which its state is searched first. A step that ends nearer would often end
+/// before the event because of rounding.
 const JUST_AFTER: f64 = 64.0 * f64::EPSILON;
-/// Most steps that the search for an event takes.
+/// Largest number of steps in the search for an event.
 const MOST_HALVINGS: u32 = 1100;
 
-/// What all runs share.
+/// Common data of all runs.
 #[derive(Clone, Debug)]
 pub struct Task {
     /// The factors.
     pub factors: Vec<Factor>,
     /// The calls that set them.
     pub calls: Vec<Call>,
-    /// The course of every run.
+    /// Scenario of every run.
     pub scenario: Scenario,
-    /// What is told of each.
+    /// Responses of every run.
     pub responses: Responses,
 }
 
-/// A model with what it needs to be run again and again.
+/// A model with the data for repeated runs.
 #[derive(Debug)]
 pub struct Runner<'a> {
     task: &'a Task,
     /// The model before its first run.
     fresh: Component,
     model: Component,
-    /// State at the beginning of the present step, where it may have to be made again.
+    /// State at the start of the present step, if the step may have to be repeated.
     before: Option<Snapshot>,
     progress: Progress,
     scratch: Vec<f64>,
 }
 
 impl<'a> Runner<'a> {
-    /// A runner with the values that all runs share.
+    /// A runner with the common values of all runs.
     ///
     /// # Errors
-    /// The model refuses one of them.
+    /// The model rejects one of the values.
     pub fn new(task: &'a Task, mut model: Component) -> Result<Self> {
         set_start(&mut model, &task.scenario)?;
         Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default(), scratch: Vec::new() })
     }
 
-    /// The model at the start under the values that all runs share, if it has one.
+    /// The model at the start with the common values of all runs, if it has a start.
     pub fn started(mut self) -> Option<Component> {
         self.model.initialize().ok().map(|()| self.model)
     }
 
-    /// Begin anew after a run that left the model in no known state.
+    /// Restart after a run that left the model in an unknown state.
     pub fn renew(&mut self) {
         (self.model, self.before) = (self.fresh.clone(), None);
     }
 
-    /// Make the run with these values of the factors; the responses, and a remark or an empty text.
+    /// Make the run with these values of the factors. Returns the responses, and a remark or an empty text.
     ///
     /// # Errors
-    /// Why the run failed; the responses are NaN then.
+    /// The reason of a failure. The responses are then NaN.
     pub fn run(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
         self.progress.begin(&self.task.responses, values);
         let done = self.make(point, values);
@@ -79,7 +79,7 @@ impl<'a> Runner<'a> {
     fn make(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
         let Task { factors, calls, scenario, responses } = self.task;
         if matches!(self.model, Component::Hydraulic(_)) {
-            // Its values are checked against each other, so that those of the run before might count.
+            // Factor values are checked against each other, so values of the previous run could matter.
             self.model.reset();
         }
         set_start(&mut self.model, scenario)?;
@@ -121,7 +121,7 @@ impl<'a> Runner<'a> {
         Ok(self.remark(has_stopped))
     }
 
-    /// What is unusual about the run; empty mostly.
+    /// A remark about the run. Usually empty.
     fn remark(&self, has_stopped: bool) -> String {
         let name = |reference: u32| &self.model.interface().list()[reference as usize].name;
         let scenario = &self.task.scenario;
@@ -136,14 +136,14 @@ impl<'a> Runner<'a> {
         remarks.join("; ")
     }
 
-    /// An instant of observation in words.
+    /// The text for an instant of observation.
     fn instant(&self, time: f64) -> String {
         let mut ends = self.task.scenario.steps.iter().map(|step| step.end);
         let is_regular = time == 0.0 || ends.any(|end| end == time);
         if is_regular { format!("at {} s", Decimal(time)) } else { "at the impact (scenario.stop_at)".to_owned() }
     }
 
-    /// A step of this length from the beginning of `step` on.
+    /// Make a step of this length from the start of `step`.
     fn step(&mut self, step: &Step, h: f64) -> Result<()> {
         match self.model.step_from(Some(step.start), h).with_context(|| at("step", step.start))? {
             Stepped::Whole => Ok(()),
@@ -157,7 +157,7 @@ impl<'a> Runner<'a> {
         Ok(self.model.real(event.count)?)
     }
 
-    /// The event and its time [s], if this step has met it.
+    /// The event and its time [s], if it occurred in this step.
     fn stop(&mut self, event: Event, step: &Step) -> Result<Option<(Event, f64)>> {
         if self.count(event)? == 0.0 {
             return Ok(None);
@@ -165,7 +165,7 @@ impl<'a> Runner<'a> {
         Ok(Some((event, self.time_of(event, step)?)))
     }
 
-    /// Tell the times of events that this step is the first to meet, until `end` [s]; that of the event that ends the
+    /// Record the times of events that occur first in this step, until `end` [s]. The time of the event that ends the
     /// run is known.
     fn find_events(&mut self, step: &Step, stop: Option<(Event, f64)>, end: f64, values: &mut [f64]) -> Result<()> {
         let responses = &self.task.responses;
@@ -187,14 +187,14 @@ impl<'a> Runner<'a> {
         Ok(())
     }
 
-    /// Back to the state at the beginning of the step.
+    /// Return to the state at the start of the step.
     fn back(&mut self) -> Result<()> {
         let Some(before) = &self.before else { bail!("the state before the step was not kept") };
         Ok(self.model.restore(before)?)
     }
 
-    /// Time of the first impact of an event that this step, which is made, has met [s]. The model tells the time of the
-    /// last one; of several, the step is halved until it has the first one only.
+    /// Time of the first impact of an event that occurred in this completed step [s]. The model returns the time of the
+    /// last impact. If there are several, the step is halved until it contains only the first one.
     fn time_of(&mut self, event: Event, step: &Step) -> Result<f64> {
         if self.count(event)? == 1.0 {
             return Ok(self.model.real(event.time)?);
@@ -223,7 +223,7 @@ impl<'a> Runner<'a> {
         Ok(time)
     }
 
-    /// Put the model into the state just after an event of this step, which is made and met it at `time` [s].
+    /// Bring the model into the state just after an event, which occurred in this completed step at `time` [s].
     fn step_to(&mut self, event: Event, step: &Step, time: f64) -> Result<()> {
         let whole = step.end - step.start;
         let mut later = JUST_AFTER * time.abs().max(f64::MIN_POSITIVE);
@@ -242,7 +242,7 @@ impl<'a> Runner<'a> {
     }
 }
 
-/// Set what all runs share.
+/// Set the common values of all runs.
 fn set_start(model: &mut Component, scenario: &Scenario) -> Result<()> {
     let (reals, others) = &scenario.start;
     for (references, values) in reals {
@@ -258,7 +258,7 @@ fn set_start(model: &mut Component, scenario: &Scenario) -> Result<()> {
     Ok(())
 }
 
-/// Where a run failed.
+/// The text for the time of a failure.
 fn at(what: &str, time: f64) -> String {
     format!("{what} at {} s", Decimal(time))
 }

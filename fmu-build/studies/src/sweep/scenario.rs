@@ -1,8 +1,8 @@
-//! The scenario of a study: the steps of a run and what the inputs are set to in each.
+//! The scenario of a study: the steps of a run, and the settings of the inputs in each step.
 //!
-//! In: stop time, interval, inputs over time, instants of responses. Out: the steps, the same for all runs. They are
-//! those that `cargo fmu simulate` makes, and end besides at every corner of an input over time and at every instant
-//! that a response names.
+//! In: stop time, interval, inputs over time, instants of responses. Out: the steps, which are equal for all runs. They
+//! are the steps of `cargo fmu simulate`, and also end at every corner of an input over time and at every instant of a
+//! response.
 
 use super::definition::{Definition, Input, Setting};
 use super::factor::{Factor, settable};
@@ -14,13 +14,13 @@ use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference, Value, Variable};
 use std::path::Path;
 
-/// Most steps of a run.
+/// Largest number of steps of a run.
 const MOST_STEPS: f64 = 1e7;
 
-/// References and values of Reals that are set in one call.
+/// References and values of Reals that one call sets.
 pub type Reals = (Vec<Reference>, Vec<f64>);
 
-/// What a variable is set to.
+/// Setting of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Set {
     /// An input at an instant.
@@ -42,15 +42,15 @@ impl From<Value> for Set {
 /// A step of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Step {
-    /// Time at its beginning [s].
+    /// Time at its start [s].
     pub start: f64,
     /// Time at its end [s].
     pub end: f64,
-    /// What inputs are set to before it.
+    /// Settings of the inputs before the step.
     pub settings: Vec<(Reference, signals::Setting)>,
 }
 
-/// Outputs that tell when a stop is met.
+/// Outputs with the impacts on a stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Event {
     /// The flag of the stop.
@@ -61,25 +61,24 @@ pub struct Event {
     pub time: Reference,
 }
 
-/// The course of every run.
+/// The scenario of every run.
 #[derive(Clone, Debug)]
 pub struct Scenario {
-    /// What is set before a run begins, before the factors: Reals in the calls that set them, then all else.
+    /// Settings before the start of a run, before the factors: Reals grouped by calls, then all others.
     pub start: (Vec<Reals>, Vec<(Reference, Set)>),
     /// The steps; at least one.
     pub steps: Vec<Step>,
-    /// The event that ends a run, if one does.
+    /// The event that ends a run, if there is one.
     pub stop_at: Option<Event>,
-    /// Whether the communication instants are spaced by an interval.
+    /// Whether the communication instants are equally spaced.
     pub is_sampled: bool,
 }
 
 impl Scenario {
-    /// The scenario that a study in `folder` states, with factors whose values differ; `instants` must be ends of steps
-    /// [s].
+    /// The scenario of a study in `folder`, for these factors. Steps must end at `instants` [s].
     ///
     /// # Errors
-    /// A name that no variable has; a value or a time that makes no sense; an input that is stated twice.
+    /// A name is unknown; a value or a time is invalid; an input is stated twice.
     pub fn new(
         study: &Definition,
         folder: &Path,
@@ -132,7 +131,8 @@ impl Scenario {
             let free = values.into_iter().filter(|(reference, _)| !known.contains(reference));
             start.extend(free.map(|(reference, value)| (reference, value.into())));
         }
-        // A host sets values in the order of the variables: what one is checked against may depend on one before.
+        // Values are set in the order of the variables, like in a host, because the check of a value may depend on
+        // previous ones.
         start.sort_by_key(|(reference, _)| *reference);
         let at_start = all.iter().flat_map(|signals| signals.settings(0.0, true));
         start.extend(at_start.map(|(reference, setting)| (reference, Set::Input(setting))));
@@ -147,7 +147,7 @@ impl Scenario {
         self.steps.last().map_or(0.0, |step| step.end)
     }
 
-    /// Whether a variable is set by the scenario.
+    /// Whether the scenario sets a variable.
     pub fn sets(&self, reference: Reference) -> bool {
         let (reals, others) = &self.start;
         let others = others.iter().map(|(own, _)| own);
@@ -155,7 +155,7 @@ impl Scenario {
     }
 }
 
-/// The steps to the stop time: to each multiple of the interval, to corners of inputs over time, to instants.
+/// The steps up to the stop time: to each multiple of the interval, to corners of inputs over time, to instants.
 fn steps(stop: f64, interval: Option<f64>, all: &[Signals], instants: &[f64]) -> Vec<Step> {
     let mut events: Vec<f64> = all.iter().flat_map(|signals| signals.times()).chain(instants).copied().collect();
     events.retain(|event| *event > 0.0 && *event < stop);
@@ -207,7 +207,7 @@ pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
     Ok(Event { flag: reference, count, time })
 }
 
-/// What is set before a run begins, in calls.
+/// Settings before the start of a run, grouped by calls.
 fn in_calls(start: Vec<(Reference, Set)>, model: &Component) -> (Vec<Reals>, Vec<(Reference, Set)>) {
     let (mut reals, mut others) = (Vec::new(), Vec::new());
     for (reference, set) in start {
@@ -219,7 +219,7 @@ fn in_calls(start: Vec<(Reference, Set)>, model: &Component) -> (Vec<Reals>, Vec
     (reals.chunks(model.most_together()).map(|together| together.iter().copied().unzip()).collect(), others)
 }
 
-/// Values that hold from the start on.
+/// Values that are constant from the start on.
 fn constants<'a>(
     section: &str,
     values: impl IntoIterator<Item = (&'a str, &'a Setting)>,
@@ -235,7 +235,7 @@ fn constants<'a>(
     Ok(constants)
 }
 
-/// A value that holds from the start on is one of an input.
+/// Check that a value that is constant from the start on is that of an input.
 fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
     match variable {
         Some(variable) if variable.causality != Causality::Input => {
@@ -249,7 +249,7 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
     }
 }
 
-/// An input from point to point.
+/// An input that is linear between points.
 fn signal(key: &str, name: &str, points: &[[f64; 2]], interface: &Interface) -> Result<Signals> {
     let reference = find(interface, name).with_context(|| key.to_owned())?;
     let variable = &interface.list()[reference as usize];

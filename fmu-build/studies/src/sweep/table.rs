@@ -1,37 +1,38 @@
-//! A table of results: what a column holds, what a format of files must do.
+//! A table of results: the types of columns, and the functions of a file format.
 
 use super::chunk::Remark;
 use anyhow::Result;
 use std::fs::File;
 
-/// What a column holds.
+/// Type of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// Numbers.
     Number,
-    /// Truth values, 1 for true.
+    /// Booleans, with 1 for true.
     Truth,
-    /// Texts, each told by its index.
+    /// Texts, each given by its index.
     Text(Vec<String>),
 }
 
-/// A column of numbers, truth values or texts.
+/// A column of numbers, Booleans or texts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Column {
     /// Its name.
     pub name: String,
-    /// What it holds.
+    /// Its type.
     pub content: Content,
-    /// Its unit; empty where it has none.
+    /// Its unit. Empty for a column without unit.
     pub unit: String,
 }
 
-/// A format of tables. A row has the number of the run, the values of the columns, whether it failed, and a remark.
+/// A format of tables. A row contains the number of the run, the values of the columns, whether it failed, and a
+/// remark.
 pub trait Format: Sized {
-    /// Begin the file; `seed`: of the samples.
+    /// Start the file. `seed` is that of the samples.
     ///
     /// # Errors
-    /// It cannot be written.
+    /// The file cannot be written.
     fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self>;
     /// Add a row.
     ///
@@ -45,5 +46,5 @@ pub trait Format: Sized {
     fn end(self) -> Result<()>;
 }
 
-/// Names of the columns that every table has: number of the run, whether it failed, remark.
+/// Names of the columns of every table: number of the run, whether it failed, remark.
 pub const OWN: [&str; 3] = ["run", "failed", "message"];

@@ -1,19 +1,19 @@
 //! Samples in the unit cube: independent ones, a Latin hypercube, Sobol's sequence.
 //!
-//! In: a method, the number of samples and of dimensions, a seed. Out: any coordinate of any sample, the same whichever
-//! was asked for before. It must not know what a coordinate stands for.
+//! In: a method, the number of samples and of dimensions, a seed. Out: any coordinate of any sample, in any order of
+//! calls. The module must not know what a coordinate represents.
 
 use super::definition::{Method, Sampling};
 use super::joe_kuo::{DIMENSIONS, directions};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-/// Bits of a coordinate.
+/// Number of bits of a coordinate.
 const BITS: u32 = 53;
-/// Rounds of the permutation of a Latin hypercube.
+/// Number of rounds of the permutation of a Latin hypercube.
 const ROUNDS: u64 = 6;
 
-/// Most factors that a method samples. Of Saltelli's design each has two dimensions.
+/// Largest number of factors of a method. In Saltelli's design each factor has two dimensions.
 pub fn most_dimensions(method: Method) -> usize {
     match method {
         Method::Random | Method::LatinHypercube => usize::MAX,
@@ -22,7 +22,7 @@ pub fn most_dimensions(method: Method) -> usize {
     }
 }
 
-/// Samples for each of `count`, of so many factors: one, but for Saltelli's design.
+/// Number of samples per `count` for this number of factors: one, except for Saltelli's design.
 pub fn each(method: Method, factors: usize) -> u64 {
     if method == Method::Saltelli { factors as u64 + 2 } else { 1 }
 }
@@ -31,10 +31,9 @@ pub fn each(method: Method, factors: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct UnitCube {
     sampling: Sampling,
-    /// Of each dimension: its stream of random bits, at the place that was read last. Samples in their order go on in
-    /// it.
+    /// For each dimension, its stream of random bits at the last position. Consecutive samples continue in the stream.
     random: Vec<ChaCha8Rng>,
-    /// Of each dimension: direction numbers of Sobol's sequence, and its shift.
+    /// For each dimension, direction numbers of Sobol's sequence, and its shift.
     sobol: Vec<(Vec<u64>, u64)>,
 }
 
@@ -87,19 +86,18 @@ impl UnitCube {
         open(bits)
     }
 
-    /// 64 random bits that belong to a sample and a dimension: a place in the stream of the dimension.
+    /// 64 random bits for a sample and a dimension: a position in the stream of the dimension.
     fn draw(&mut self, sample: u64, dimension: usize) -> u64 {
         let (random, place) = (&mut self.random[dimension], 2 * u128::from(sample));
-        // To go to a place costs a new block of the stream, even where it is there already.
+        // Setting the position computes a new block of the stream, also for an unchanged position.
         if random.get_word_pos() != place {
             random.set_word_pos(place);
         }
         random.next_u64()
     }
 
-    /// The part of a factor's range that a sample of the Latin hypercube is in: a permutation of the samples. A network
-    /// of Feistel permutes the numbers of an even number of bits, and is repeated until the result is one of the
-    /// samples.
+    /// The part of a factor's range that contains a sample of the Latin hypercube: a permutation of the samples. A
+    /// Feistel network permutes the numbers with an even number of bits. It is repeated until the result is a sample.
     fn permuted(&self, sample: u64, dimension: usize) -> u64 {
         let count = self.sampling.count;
         let half = (64 - (count - 1).leading_zeros()).div_ceil(2).max(1);
@@ -119,14 +117,14 @@ impl UnitCube {
     }
 }
 
-/// The middle of the interval of numbers that begin with these 53 bits; never 0 or 1.
+/// The middle of the interval of numbers that start with these 53 bits. It is never 0 or 1.
 fn open(bits: u64) -> f64 {
     let middle = ((bits >> (64 - BITS)) as f64 + 0.5) * (0.5_f64).powi(BITS as i32);
-    // Of the last interval the middle is rounded to 1.
+    // The middle of the last interval would be rounded to 1.
     middle.min(1.0 - f64::EPSILON / 2.0)
 }
 
-/// SplitMix64, a bijection of the numbers of 64 bits: Steele, Lea and Flood (2014).
+/// SplitMix64, a bijection of the 64-bit numbers: Steele, Lea and Flood (2014).
 fn mixed(seed: u64) -> u64 {
     let mut z = seed.wrapping_add(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -159,7 +157,7 @@ mod tests {
 
     #[test]
     fn sobols_sequence_fills_every_elementary_interval_once() {
-        // A (0, 6, 2)-net in base 2: the first two dimensions, each way to cut the square into 64 boxes of equal shape.
+        // A (0, 6, 2)-net in base 2: the first two dimensions, and each division of the square into 64 congruent boxes.
         let mut cube = cube(Method::Sobol, 64, 7);
         for bits in 0..=6 {
             let (across, up) = (1_u64 << bits, 1_u64 << (6 - bits));
@@ -201,8 +199,8 @@ mod tests {
         assert_eq!([open(0), open(u64::MAX)].map(|x| x > 0.0 && x < 1.0), [true; 2]);
     }
 
-    /// The order that SALib's analysis takes: the first point, for each factor this with its value from the second, the
-    /// second.
+    /// The order for SALib's analysis: the first point; for each factor the first point with the factor's value of the
+    /// second point; the second point.
     #[test]
     fn saltellis_design_changes_one_factor_at_a_time() {
         let mut cube = UnitCube::new(Sampling { method: Method::Saltelli, count: 4, seed: 3 }, 3);

@@ -1,4 +1,4 @@
-//! What is told of a file that a definition has no place for, and ranges whose ends stand the wrong way round.
+//! Notes about omitted parts of a file, and ranges whose ends are in the wrong order.
 
 use super::{MJCF, URDF, assert_says, refusal};
 use fmu_studies::import::{Form, import};
@@ -55,7 +55,7 @@ fn medium_softness_and_second_drives() {
 fn contact_between_geoms() {
     let said = "contact between geoms, such as line 10: <geom> and line 15: <geom>, is left out";
     assert_says(&notes(Form::Mjcf, MJCF), &[said]);
-    // None of geoms that touch nothing, stated or by default.
+    // Geoms without contact cause no note, whether stated or by default.
     let one = replaced(MJCF, r#"type="box""#, r#"type="box" contype="0" conaffinity="0""#);
     assert!(!notes(Form::Mjcf, &one).contains("contact"));
     let none = replaced(MJCF, "<option", r#"<default><geom contype="0" conaffinity="0"/></default><option"#);
@@ -79,7 +79,7 @@ fn limits_of_urdf() {
 }
 
 #[test]
-fn ranges_the_wrong_way_round_are_refused() {
+fn reversed_ranges_are_rejected() {
     let ranged = |range: &str| replaced(MJCF, r#"name="guide""#, &format!(r#"name="guide" {range}"#));
     let said =
         ["line 14: <joint \"guide\">: range: the lower limit 0.3 is larger than the upper limit -0.1; exchange them"];
@@ -90,7 +90,7 @@ fn ranges_the_wrong_way_round_are_refused() {
         definition["stops"].as_object().map_or(0, |stops| stops.len())
     };
     assert_eq!(stops(&ranged(r#"range="-0.1 0.3""#)), 2);
-    // What is no limit is not judged; nor is a range without width one.
+    // A range that is no limit is not checked. A range without width is valid.
     assert_eq!(stops(&ranged(r#"range="0.3 -0.1" limited="false""#)), 0);
     assert_eq!(stops(&ranged(r#"range="0 0""#)), 0);
     let turned = replaced(URDF, r#"lower="-1" upper="2""#, r#"lower="2" upper="-1""#);
@@ -100,9 +100,9 @@ fn ranges_the_wrong_way_round_are_refused() {
     );
 }
 
-/// What no definition has, each with the words of its message.
+/// Parts that no definition can represent, each with the words of its message.
 #[test]
-fn what_has_no_counterpart_is_rejected() {
+fn elements_without_a_counterpart_are_rejected() {
     let second = r#"<body name="b" pos="1 0 0"><joint name="k" axis="0 1 0" ref="10"/><geom size=".1"/>
         <body name="c" pos="1 0 0"><joint name="l" axis="0 1 0"/><geom size=".1"/><site name="t"/></body></body>"#;
     let file = |joint: &str, rest: &str| {
@@ -148,7 +148,7 @@ fn what_has_no_counterpart_is_rejected() {
     assert_says(&said, &["<joint> colour is unknown", "<odd> is unknown", "<sensor> is left out"]);
 }
 
-/// Ranges count from `ref`; `limited`, `autolimits` and flags decide whether they are limits.
+/// Ranges are relative to `ref`. `limited`, `autolimits` and flags determine whether they are limits.
 #[test]
 fn ranges_count_from_the_reference() {
     let angles = |joint: &str, settings: &str| -> Vec<f64> {

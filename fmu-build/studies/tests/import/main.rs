@@ -1,4 +1,4 @@
-//! `cargo fmu import`: each form in its program's own words, beside the same mechanism written by hand.
+//! `cargo fmu import`: each format as its program writes it, compared with the same mechanism as a manual definition.
 #![allow(clippy::unwrap_used)]
 
 mod left_out;
@@ -10,10 +10,10 @@ use linkage_fmu::component::{Component, Linearisation};
 use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 
-/// Difference of two runs at the tolerance 1e-9, whose steps are others, as the bodies' frames are.
+/// Difference of two runs at the tolerance 1e-9, which have other steps and other body frames.
 const SAME: f64 = 1e-7;
 
-/// Slider-crank with a crank of 0.1 m, by joints at its first position.
+/// Slider-crank with a crank of 0.1 m, given by joints at its first position.
 const PMKS: &str =
     "ground,input,R,0,0\ninput coupler,R,0.08,0.06\ncoupler,slider,R,0.36,0\nground,slider,P,0.36,0.00,0.00\n";
 
@@ -39,7 +39,7 @@ fn slider_crank() -> Value {
     })
 }
 
-/// Values of variables of a definition after some motion under an input.
+/// Values of variables of a definition after a motion with an input.
 fn values(definition: &str, input: (&str, f64), names: &[&str]) -> Vec<f64> {
     let mut simulation = Simulation::open(definition).unwrap_or_else(|error| panic!("{error} in\n{definition}"));
     simulation.set(input.0, input.1).unwrap();
@@ -48,7 +48,7 @@ fn values(definition: &str, input: (&str, f64), names: &[&str]) -> Vec<f64> {
     names.iter().map(|name| simulation.get(name).unwrap()).collect()
 }
 
-/// Compare variables of an imported definition with those of one by hand; each pair may have an offset.
+/// Compare variables of an imported definition with those of a manual definition. Each pair may have an offset.
 fn compare(form: Form, text: &str, hand: &Value, inputs: [(&str, f64); 2], pairs: &[(&str, &str, f64)]) -> Vec<String> {
     let imported = import(form, "Imported", text).unwrap();
     let names: Vec<&str> = pairs.iter().map(|(name, ..)| *name).collect();
@@ -91,7 +91,7 @@ fn pmks() {
     assert_says(&refusal(Form::Pmks, "a,b,R,0,0\n"), &["ground"]);
 }
 
-/// A quick return with a pin in a slot, and a table of the same joints.
+/// A quick return with a pin in a slot, and a table with the same joints.
 #[test]
 fn pyslvs_and_a_table() {
     let hand = json!({
@@ -121,7 +121,7 @@ fn pyslvs_and_a_table() {
         ("point_4.x", "tip.x", 0.0),
         ("point_4.y", "tip.y", 0.0),
     ];
-    // Three points of the lever at 0, 0.3 and 0.9 m: centre 0.4 m, square 0.14 m2.
+    // Three points of the lever at 0, 0.3 and 0.9 m: centre 0.4 m, mean square distance 0.14 m2.
     let inputs = [("drive.torque", 1.5), ("motor.torque", 1.5)];
     compare(Form::Pyslvs, pyslvs, &hand, inputs, &pairs);
     let table = "type,x,y,angle,links,driven\nR,0,0,,ground link_1,1\nRP,0.2,0,0,link_2 link_1,\nR,0.5,0,,ground \
@@ -137,7 +137,7 @@ fn pyslvs_and_a_table() {
     assert_says(&refusal(Form::Table, &far), &["bodies.link_2.", "is not finite", "use larger units"]);
 }
 
-/// The slider-crank upright in the plane of x and z, its rod a capsule, its slider on a damped slide with a spring.
+/// The slider-crank in the vertical xz plane. Its rod is a capsule, its slider has a damped slide with a spring.
 const MJCF: &str = r#"<mujoco model="crank">
   <compiler angle="radian"/>
   <option gravity="0 0 -9.81"/>
@@ -166,7 +166,7 @@ fn mjcf() {
     let (h, r) = (f64::hypot(0.28, 0.06), 0.01f64);
     let pi = std::f64::consts::PI;
     let (cylinder, balls) = (2000.0 * pi * r * r * h, 2000.0 * 4.0 / 3.0 * pi * r * r * r);
-    // Half a ball has its centre 3/8 r off its flat side, and 83/320 m r^2 about it.
+    // The centre of half a ball is 3/8 r from its flat side, its inertia about the centre 83/320 m r^2.
     let half = 0.5 * balls;
     let of_half = half * (83.0 / 320.0 * r * r + (0.5 * h + 0.375 * r).powi(2));
     let inertia = cylinder * (h * h / 12.0 + r * r / 4.0) + 2.0 * of_half;
@@ -207,7 +207,7 @@ fn mjcf() {
     assert_says(&refusal(Form::Mjcf, &deep), &["at most 250 are supported"]);
 }
 
-/// A pendulum with a bob fixed to it, turned by its origins.
+/// A pendulum with a bob fixed to it, rotated by its origins.
 const URDF: &str = r#"<robot name="pendulum">
   <link name="base"/>
   <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/>
@@ -230,13 +230,13 @@ fn urdf() {
     let (coordinate, held_by) = (find("arm.angle"), None);
     let what = Linearisation { coordinate, inputs: vec![find("swing_drive.torque")], outputs: Vec::new(), held_by };
     let at = model.linearise_here(&what).unwrap();
-    // About the joint: the arm's own 0.02 with 0.5 kg at 0.2 m, the bob's 0.003 with 2 kg at 0.4 m.
+    // About the joint: 0.02 of the arm, 0.5 kg at 0.2 m, 0.003 of the bob, 2 kg at 0.4 m.
     let inertia: f64 = 0.02 + 0.5 * 0.04 + 0.003 + 2.0 * 0.16;
     let omega = (9.81 * (0.5 * 0.2 + 2.0 * 0.4) / inertia).sqrt();
     assert!((at.omega - omega).abs() < 1e-6, "{} {omega}", at.omega);
     assert!((at.damping_ratio - 0.05 / (2.0 * inertia * omega)).abs() < 1e-9);
     assert!((at.b[0][1].abs() - 1.0 / inertia).abs() < 1e-6);
-    // It hangs 0.4 rad from where it is drawn, and its stops lie 1 and 2 rad from there.
+    // The equilibrium is 0.4 rad from the drawn position, the stops are 1 and 2 rad from the drawn position.
     assert!((at.coordinate.abs() - 0.4).abs() < 1e-9, "{}", at.coordinate);
     let mut angles: Vec<f64> =
         definition["stops"].as_object().unwrap().values().map(|s| s["angle"].as_f64().unwrap()).collect();

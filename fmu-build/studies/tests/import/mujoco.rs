@@ -1,20 +1,20 @@
-//! Imported mechanisms compared with MuJoCo: accelerations that `mujoco_values.py` computed.
+//! Imported mechanisms compared with accelerations from MuJoCo, computed by `mujoco_values.py`.
 
 use fmu_studies::import::{Form, Imported, import_with};
 use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
 
-/// Accelerations agree to this part of their size.
+/// Allowed relative difference of accelerations.
 const SAME: f64 = 1e-9;
 
-/// Travels agree to this number of rad: MuJoCo's steps pass over the instants at which a force reaches a limit.
+/// Allowed difference of travels [rad]. MuJoCo's steps do not end at the instants at which a force reaches a limit.
 const SAME_TRAVEL: f64 = 2e-6;
 
 /// A definition at its start, with a speed and inputs.
 fn started(case: &Value, imported: &Imported) -> Simulation {
     let mut definition: Value = serde_json::from_str(&imported.definition).unwrap();
     if let Some(speed) = case["speed"].as_f64() {
-        // Hinges about y count against the angles of the plane.
+        // The angles of hinges about y have the opposite sign in the plane.
         let sign = if definition["start"]["body"].is_string() { -1.0 } else { 1.0 };
         definition["start"]["speed"] = json!(sign * speed);
     }
@@ -27,7 +27,7 @@ fn started(case: &Value, imported: &Imported) -> Simulation {
     simulation
 }
 
-/// Outputs of a simulation that a case names under a key.
+/// Outputs of a simulation that are listed under a key of a case.
 fn outputs(simulation: &mut Simulation, case: &Value, key: &str) -> Vec<(String, f64)> {
     let names = case[key].as_object().into_iter().flatten().map(|(name, _)| name);
     names.map(|name| (name.clone(), simulation.get(name).unwrap())).collect()

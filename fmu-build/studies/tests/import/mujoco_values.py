@@ -4,9 +4,9 @@ It also writes `files/mujoco_schema.txt`, the elements and attributes of MJCF.
 
     pip install mujoco==4.0.0 numpy && python mujoco_values.py
 
-A case is MJCF, the joint that is held while loops are closed, its speed, controls, and outputs of the imported
-definition as sums over joints. MuJoCo's own constraints are soft; here its mass matrix, forces and constraint
-Jacobian give the accelerations of rigid ones.
+A case consists of MJCF, the joint that is held while loops are closed, its speed, controls, and outputs of the imported
+definition as sums over joints. MuJoCo's own constraints are soft. Here its mass matrix, forces and constraint Jacobian
+give the accelerations for rigid constraints.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ SLIDES = (
 )
 SITES = '<site name="tip" pos=".4 0 0"/>'
 POST = '<site name="post" pos=".1 0 .6"/>'
-# The reference of 15 degrees, in the plane of the motion.
+# The reference angle of 15 degrees in the plane of the motion.
 RISE = 0.2617993877991494
 LIMITS = ' forcerange="-6 9"/>'
 WITHOUT_FRICTION = '<option><flag frictionloss="disable"/></option>'
@@ -124,7 +124,7 @@ SDF_PAIR = """<sdf version="1.11"><model name="case"><link name="base"><gravity>
 
 
 def cases() -> list[dict]:
-    """Names, texts, and what is read."""
+    """Names and texts of the cases, with their outputs."""
     position = '<position name="servo" joint="swing" kp="40" kv="3" gear="2"/>'
     general = (
         '<general name="servo" joint="swing" gainprm="5" biastype="affine" biasprm="1.5 -20 -2" gear="3" damping=".3" '
@@ -453,7 +453,7 @@ class Rigid:
         return data.efc_pos[rows], data.efc_J.reshape(-1, self.model.nv)[rows]
 
     def close(self) -> None:
-        """Close the loops, the held joint as in the file."""
+        """Close the loops. The held joint keeps its position in the file."""
         for _ in range(30):
             gap, jacobian = self.constraints(self.data.qpos)
             hold = np.eye(1, self.model.nv, self.held)
@@ -466,7 +466,7 @@ class Rigid:
         mass = np.zeros((model.nv, model.nv))
         mujoco.mj_fullM(model, data, mass)
         force = data.qfrc_passive + data.qfrc_actuator - data.qfrc_bias
-        # MuJoCo softens friction losses too; here they are those of Coulomb's law in motion.
+        # MuJoCo softens friction losses too. Here Coulomb's law in motion applies.
         if not model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_FRICTIONLOSS:
             force -= model.dof_frictionloss * np.sign(data.qvel)
         _, jacobian = self.constraints(data.qpos)
@@ -482,11 +482,11 @@ class Rigid:
         return np.linalg.lstsq(whole, np.append(force, -drift), rcond=1e-12)[0][: model.nv]
 
     def summed(self, numbers: np.ndarray, of: dict) -> float:
-        """Sum over joints of the numbers of their coordinates, times a sign."""
+        """Sum over joints of the numbers of their coordinates with their signs."""
         return float(sum(sign * numbers[self.model.joint(joint).dofadr[0]] for joint, sign in of.items()))
 
     def travel(self, span: float) -> np.ndarray:
-        """Change of the coordinates in a time, by the method of Runge and Kutta in steps of 0.1 ms."""
+        """Change of the coordinates in a time, by the Runge-Kutta method in steps of 0.1 ms."""
         model, data = self.model, self.data
         model.opt.integrator, model.opt.timestep = mujoco.mjtIntegrator.mjINT_RK4, 1e-4
         start = data.qpos.copy()
@@ -528,7 +528,7 @@ def main() -> None:
             if key in case and "other" in inertia:
                 case[key] = case[key].format(iyy=inertia["arm"], other=inertia["other"])
             elif key in case:
-                # The rod of SDF stands turned by 30 rad about y, and its centre with it.
+                # The rod in SDF is rotated by 30 rad about y, together with its centre.
                 at, sin, cos = [0.2, 0.05], np.sin(30.0), np.cos(30.0)
                 case[key] = case[key].format(
                     **inertia,

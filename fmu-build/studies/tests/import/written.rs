@@ -1,5 +1,5 @@
-//! Files that the other programs wrote, beside the same mechanisms by hand or in closed form; `files/README.md` tells
-//! which version wrote which.
+//! Files that other programs wrote, compared with manual definitions or closed forms. `files/README.md` lists the
+//! program versions.
 
 use super::{assert_says, compare, refusal, slider_crank, values};
 use fmu_studies::import::{Form, import};
@@ -40,7 +40,7 @@ fn pmks_plus() {
     assert_says(&notes.join("\n"), &["cm (length), g (mass), kg cm2", "gravity", "the speed of the input"]);
     let cut = &PLUS[..PLUS.len() - 9];
     assert_says(&refusal(Form::PmksPlus, cut), &["incomplete"]);
-    // The force made one that turns with its link; a joint without its link; a letter that is no digit.
+    // A force that turns with its link; a joint without its link; a letter that is no digit.
     for (from, to, words) in [
         ("..2F1,BCE", "..3F1,BCE", &["force 1", "turns with its link"][..]),
         (",A,B,,.", ",A,Q,,.", &["AB", "no joint Q"]),
@@ -52,7 +52,7 @@ fn pmks_plus() {
     }
 }
 
-/// A four-bar linkage in a link, in metres, with a rocker of two bars welded and the input clockwise.
+/// A four-bar linkage in a link, in metres, with a rocker of two welded bars and a clockwise input.
 #[test]
 fn link_of_pmks_plus() {
     let (coupler, rocker) = (f64::hypot(3.25, 2.5), f64::hypot(0.75, 3.5));
@@ -85,7 +85,7 @@ fn link_of_pmks_plus() {
         ("E.x", "tip.x", 0.0),
         ("E.velocity_x", "tip.velocity_x", 0.0),
     ];
-    // The weld is at the joint of the parts, where the coupler is pinned; and at the ground, which is no part of a
+    // The weld is at the joint of the parts, where the coupler has its pin, and at the ground, which is no part of a
     // weld.
     let at_pin = PLUS_LINK.replacen(".GC,C,", ".OC,C,", 1).replacen(".OE,E,", ".GE,E,", 1);
     let at_ground = at_pin.replacen(".KD,D,", ".SD,D,", 1);
@@ -93,11 +93,11 @@ fn link_of_pmks_plus() {
     for link in [PLUS_LINK, &at_pin, &at_ground] {
         compare(Form::PmksPlus, link, &hand, [("drive.torque", 3.0), ("motor.torque", 3.0)], &pairs);
     }
-    // The parts of the weld are no bodies of their own.
+    // The parts of the weld are no separate bodies.
     assert_eq!(definition(Form::PmksPlus, PLUS_LINK)["bodies"].as_object().unwrap().len(), 4);
 }
 
-/// One letter of the record packs its switches; the last letter of a file tells its length.
+/// One letter of the record contains its flags. The last letter of a file depends on its length.
 fn plus_file(joints: &str, links: &str) -> String {
     const CHECKS: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";
     let body = format!("2O.Fe,Fe.K,0.2011.{joints}.{links}..N");
@@ -105,7 +105,7 @@ fn plus_file(joints: &str, links: &str) -> String {
     format!("{body}{check}")
 }
 
-/// The quick return of later versions, whose slide lies in a link: with a block, and as one joint without.
+/// The quick return of later versions with a slide in a link: with a block, and as one joint without a block.
 #[test]
 fn slots_of_pmks_plus() {
     let lever = "YRCD,CD,Fe,38,7q,Fe,,C,D,,.";
@@ -142,7 +142,7 @@ fn slots_of_pmks_plus() {
     }
 }
 
-/// PMKS's JSON and its text give one definition; a slide's angle counts from its first link.
+/// PMKS's JSON and text give the same definition. The angle of a slide is relative to its first link.
 #[test]
 fn json_of_pmks() {
     let text = "name=Imported\nmech=\nground,crank,R,0.000,0.000,tfft\ncrank,coupler,R,80.000,60.000,tfff\n\
@@ -158,14 +158,14 @@ fn json_of_pmks() {
         "ground,crank,R,0,0,tfft\ncrank,rod,R,80,60,tfff\nrod,slider,R,360,0,tfff\nground,slider,P,360,0,0,tfff\n";
     let json = include_str!("files/pmks_slider_crank.json");
     assert_eq!(definition(Form::Pmks, json), definition(Form::Pmks, text));
-    // The drive is where the fourth flag says, not at the first joint.
+    // The fourth flag determines the position of the drive, not the order of the joints.
     let elsewhere = text.replace("tfft", "tfff").replace("360,0,0,tfff", "360,0,0,tfft");
     assert_eq!(definition(Form::Pmks, &elsewhere)["actuators"]["drive"]["joint"], "joint_4");
     assert_says(&refusal(Form::Pmks, "{}"), &["Joints"]);
     assert_says(&refusal(Form::Pmks, &json.replace("\"P\"", "\"G\"")), &["joint", "gear"]);
 }
 
-/// A quick return that Pyslvs wrote, beside the expression of the other tests.
+/// A quick return that Pyslvs wrote, and the expression of the other tests.
 #[test]
 fn file_of_pyslvs() {
     let text = include_str!("files/quick_return.pyslvs");
@@ -180,7 +180,7 @@ fn file_of_pyslvs() {
     assert!(own[0].abs() > 1e-2);
 }
 
-/// MuJoCo writes defaults as classes, and capsules by place and quaternion.
+/// MuJoCo writes defaults as classes, and capsules by position and quaternion.
 #[test]
 fn file_of_mujoco() {
     let text = include_str!("files/slider_crank.xml");
@@ -195,7 +195,7 @@ fn file_of_mujoco() {
     };
     hand["gravity"] = json!({ "acceleration": 9.81, "up_angle": 0.5 * PI });
     hand["bodies"]["crank"] = capsule(0.1);
-    // The file has six digits of this half length.
+    // The file contains six digits of this half length.
     hand["bodies"]["rod"] = capsule(2.0 * 0.143178);
     hand["bodies"]["rod"]["length"] = json!(f64::hypot(0.28, 0.06));
     hand["bodies"]["rod"]["center"] = json!([0.5 * f64::hypot(0.28, 0.06), 0]);
@@ -219,14 +219,14 @@ fn file_of_mujoco() {
     assert_says(&refusal(Form::Mjcf, &unknown), &["line 18", "no default class \"pipe\""]);
 }
 
-/// A boom of xacro, with a jib welded on at 60 degrees: its acceleration from rest in closed form.
+/// A boom in xacro with a welded jib at 60 degrees: its acceleration from rest in closed form.
 #[test]
 fn file_of_xacro() {
     let text = include_str!("files/boom.urdf");
     let mut simulation = Simulation::open(&import(Form::Urdf, "Imported", text).unwrap().definition).unwrap();
     simulation.set("shoulder_drive.torque", 12.0).unwrap();
     simulation.initialize().unwrap();
-    // The boom lies 30 degrees up, the jib 30 degrees down from its end.
+    // The boom is inclined 30 degrees up, the jib 30 degrees down from the end of the boom.
     let (l, m) = (0.8f64, 3.2f64);
     let (boom, jib) = (30f64.to_radians(), -30f64.to_radians());
     let x = l * boom.cos() + 0.25 * l * jib.cos();
@@ -248,7 +248,7 @@ fn file_of_a_spreadsheet() {
     assert_says(&refusal(Form::Table, &plain.replace("no\n", "maybe\n")), &["line 6", "driven = \"maybe\""]);
 }
 
-/// A slider-crank in a link of PMKS+ from 2022, as its template writes one.
+/// A slider-crank in a link of PMKS+ from 2022, in the form of its template.
 #[test]
 fn old_link_of_pmks_plus() {
     let link = "https://pmks.example/?j=A,0,0,AB,R,t,0,0.1,t,%0AB,8,6,AB%7CBC,R,f,0,0.1,f,%0A\
@@ -278,7 +278,7 @@ fn old_link_of_pmks_plus() {
     let expected = -turn * 0.1 * sin * (1.0 + 0.1 * cos / (rod * rod - 0.01 * sin * sin).sqrt());
     assert!((run.get("AB.speed").unwrap() - turn).abs() < 1e-12);
     assert!((run.get("C.speed").unwrap() - expected).abs() < 1e-10, "{} {expected}", run.get("C.speed").unwrap());
-    // The first links have neither angles nor friction.
+    // The oldest links contain neither angles nor friction.
     let short = link.replace("0,0.1,t,%0A", "Null,t%0A").replace("0,0.1,f,%0A", "Null,f%0A");
     assert_eq!(definition(Form::PmksPlus, link), definition(Form::PmksPlus, &short));
     assert_says(

@@ -1,4 +1,4 @@
-//! Threads, ends and memory change nothing in the rows.
+//! Rows do not depend on threads, interruptions and memory.
 
 use crate::support::{Folder, Rows, sweep};
 use serde_json::{Value, json};
@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread;
 use std::time::Duration;
 
-/// A study of so many runs of the gear.
+/// A study of the gear with this number of runs.
 fn many(folder: &Folder, name: &str, runs: u32) -> PathBuf {
     of(folder, name, runs, json!({ "met": { "event": "retracted" } }))
 }
@@ -33,9 +33,9 @@ fn start(study: &Path, out: &Path, options: &[&str]) -> Child {
     command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
 }
 
-/// The warning stands before the first run is kept; the study itself is ended then.
+/// The warning is printed before the first run is stored. Then the study is ended.
 #[test]
-fn a_study_of_too_many_runs_is_told_before_it_begins() {
+fn a_study_of_too_many_runs_gives_a_warning_before_its_first_run() {
     let folder = Folder::new("many");
     let of = |steps: u64| json!({ "range": [1, 2], "steps": steps });
     let study = json!({
@@ -66,16 +66,16 @@ fn rows_do_not_depend_on_the_threads() {
     });
     assert!(all[0] == all[1] && all[0] == all[2]);
     assert!(!folder.0.join("1/runs.journal").exists());
-    // What is complete is left as it is.
+    // Complete results stay unchanged.
     assert!(start(&study, &folder.0.join("1"), &["--resume"]).wait().unwrap().success());
 }
 
-/// Ended in the middle, by the user and by force, as often as the study allows: what results is the same to the byte.
+/// A study that the user or a signal ends several times gives identical bytes.
 #[cfg(unix)]
 #[test]
 fn a_study_that_was_ended_is_resumed() {
     let folder = Folder::new("resume");
-    // The other stop makes steps necessary, which last longer than the energy integral.
+    // The second stop requires runs by steps, which need more time than the energy integral.
     let responses = json!({ "met": { "event": "retracted" }, "down": { "event": "extended" } });
     let study = of(&folder, "study.json", 60_000, responses);
     let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
@@ -86,7 +86,7 @@ fn a_study_that_was_ended_is_resumed() {
         let before = size();
         let mut child = start(&study, &parts, &options);
         options = vec!["--csv", "--resume"];
-        // Until some chunks more are done.
+        // Until some more chunks are completed.
         while size() < before + 100_000 && child.try_wait().unwrap().is_none() {
             thread::sleep(Duration::from_millis(1));
         }
@@ -116,7 +116,7 @@ fn a_study_that_was_ended_is_resumed() {
     assert_eq!(Rows::read(&parts.join("runs.csv")).rows.len(), 60_000);
 }
 
-/// Where no more can be written, as on a full disk, first in the journal and then in the results: what is done stays.
+/// If the disk is full, first for the journal and then for the results, completed chunks remain.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing() {
@@ -124,7 +124,7 @@ fn a_full_disk_loses_nothing() {
     let study = many(&folder, "study.json", 60_000);
     let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
-    // Blocks of 512 or 1024 bytes, as the shell has it; the journal has 1.4 MB, the table 2.2 MB, its CSV file 4 MB.
+    // Blocks of 512 or 1024 bytes, depending on the shell. The journal has 1.4 MB, the table 2.2 MB, its CSV file 4 MB.
     for (blocks, options, said) in [
         (900, &["--csv"][..], "runs.journal: cannot be written; free disk space; then continue with --resume"),
         (3300, &["--csv", "--resume"][..], "all runs are complete; --resume writes the results"),
@@ -150,8 +150,8 @@ fn memory(study: &Path, out: &Path) -> u64 {
     let mut child = start(study, out, &["--csv", "--threads", "2"]);
     let mut most = 0;
     let status = loop {
-        let told = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak = told.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
+        let process = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
+        let peak = process.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
         most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
         if let Some(status) = child.try_wait().unwrap() {
             break status;
@@ -172,6 +172,6 @@ fn memory_does_not_grow_with_the_runs() {
         memory(&study, &folder.0.join(runs.to_string()))
     });
     println!("{few} kB for 1e5 runs, {lots} kB for 1e6");
-    // Rows of 1e6 runs take 40 MB. Chunks that wait to be kept may be a few more or fewer.
+    // Rows of 1e6 runs need 40 MB. The number of chunks that wait to be stored varies slightly.
     assert!(lots < few + 4_000, "{few} kB for 1e5 runs, {lots} kB for 1e6");
 }

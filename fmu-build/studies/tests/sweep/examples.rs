@@ -1,4 +1,4 @@
-//! The worked studies, and the schema.
+//! The studies of the documentation, and the schema.
 
 use crate::support::{Folder, sweep};
 use fmu_build::workspace::Workspace;
@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
-/// Path of the studies of docs/studies.md.
+/// Paths of the studies of docs/studies.md.
 fn examples() -> Vec<PathBuf> {
     let folder = Workspace::locate().root().join("docs/studies");
     let mut all: Vec<PathBuf> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
@@ -23,7 +23,7 @@ fn the_worked_studies_run() {
     for path in examples() {
         let mut study: Value = serde_json::from_str(&fs::read_to_string(&path).unwrap()).unwrap();
         if study.get("objective").is_some() {
-            // A grid over its bounds instead of a search.
+            // A grid over the bounds replaces the search.
             for key in ["objective", "constraints", "search"] {
                 study.as_object_mut().unwrap().remove(key);
             }
@@ -56,7 +56,7 @@ fn the_worked_studies_run() {
     }
 }
 
-/// The optimum from which the report is drawn is one of the study in docs/studies: its runs give what it tells.
+/// The optimum in the report is that of the study in docs/studies: its runs give the committed responses.
 #[test]
 fn the_committed_optimum_is_that_of_the_study() {
     let root = Workspace::locate().root().to_path_buf();
@@ -64,26 +64,27 @@ fn the_committed_optimum_is_that_of_the_study() {
     let (study, optimum) = (read("docs/studies/least_force.json"), read("validation/results/least_force_optimum.json"));
     let folder = Folder::new("optimum");
     for design in ["present", "best"] {
-        let told = &optimum[design];
+        let committed = &optimum[design];
         let mut study = study.clone();
         for key in ["objective", "constraints", "search"] {
             study.as_object_mut().unwrap().remove(key);
         }
         for (name, factor) in study["factors"].as_object_mut().unwrap() {
             assert_eq!(optimum["bounds"][name], factor["bounds"], "{name}");
-            *factor = json!({ "values": [told["factors"][name]] });
+            *factor = json!({ "values": [committed["factors"][name]] });
         }
         study["mechanism"] = json!(root.join("docs/studies").join(study["mechanism"].as_str().unwrap()));
         let rows = folder.rows(study);
-        for (name, expected) in told["responses"].as_object().unwrap() {
+        for (name, expected) in committed["responses"].as_object().unwrap() {
             let (value, expected) = (rows.number(0, name), expected.as_f64().unwrap());
-            // Processors without fused multiply-add round otherwise; the integration's tolerance is 1e-9.
+            // Processors without fused multiply-add give other rounding errors. The tolerance of the integration is
+            // 1e-9.
             assert!((value - expected).abs() <= 1e-7 * expected.abs(), "{design}, {name}: {value} and {expected}");
         }
     }
 }
 
-/// The examples of the reference, and every kind of key, under the schema; what the reader refuses is refused.
+/// The examples of the reference, and every kind of key, with the schema. The schema rejects what the reader rejects.
 #[test]
 fn the_schema_agrees_with_the_reader() {
     let descriptions = Workspace::locate().descriptions();

@@ -1,4 +1,4 @@
-//! Mechanisms whose numbers follow from others: the factors of a run are set together.
+//! Mechanisms with calculated parameters: the factors of a run are set together.
 
 use crate::support::{Folder, simulated_of};
 use serde_json::json;
@@ -14,7 +14,7 @@ const PENDULUM: &str = r#"{
         "step_size": 0.01 }
 }"#;
 
-/// Set one after the other, 0.4 and 0.6 pass through a length below 0 or not, as the run before has it.
+/// Set one after the other, 0.4 and 0.6 may give a negative length in between, depending on the previous run.
 #[test]
 fn a_row_does_not_depend_on_the_run_before_through_an_expression() {
     let folder = Folder::new("families");
@@ -42,7 +42,7 @@ fn a_row_does_not_depend_on_the_run_before_through_an_expression() {
     }
 }
 
-/// What all runs share is set together too.
+/// Common start values of all runs are set together too.
 #[test]
 fn start_values_are_set_together() {
     let folder = Folder::new("shared");

@@ -1,5 +1,5 @@
-//! `cargo fmu sweep` and `cargo fmu optimise`: rows are those of `cargo fmu simulate` to the bit, the same whatever the
-//! threads and however often the study was ended; failures are rows; memory does not grow.
+//! `cargo fmu sweep` and `cargo fmu optimise`: rows are bit-identical to those of `cargo fmu simulate`, for any number
+//! of threads and any interruptions; failures are rows; the memory use does not grow.
 #![allow(clippy::unwrap_used)]
 
 mod ended;

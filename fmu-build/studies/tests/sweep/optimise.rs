@@ -1,11 +1,11 @@
-//! What is wrong with an optimisation is said in one line, before anything is run.
+//! A fault of an optimisation is reported in one line before any run.
 
 use crate::support::Folder;
 use fmu_build::workspace::Workspace;
 use fmu_studies::sweep::optimise::{self, Arguments};
 use serde_json::{Value, json};
 
-/// The message of an optimisation that is refused.
+/// The message of a rejected optimisation.
 fn refusal(folder: &Folder, study: Value) -> String {
     println!("{study}");
     let (study, out) = (folder.study("wrong.json", study), Some(folder.0.join("refused")));
@@ -16,7 +16,7 @@ fn refusal(folder: &Folder, study: Value) -> String {
 }
 
 #[test]
-fn what_is_wrong_with_an_optimisation_is_said_in_one_line() {
+fn wrong_optimisations_are_rejected_in_one_line() {
     let folder = Folder::new("optimise-refusals");
     let whole = json!({
         "factors": { "crank.mass": { "bounds": [10, 20] } },

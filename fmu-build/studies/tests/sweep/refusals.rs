@@ -1,11 +1,11 @@
-//! What is wrong with a study is said in one line.
+//! A fault of a study is reported in one line.
 
 use crate::support::{Folder, sweep};
 use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
 use std::fs;
 
-/// The message of a study that is refused.
+/// The message of a rejected study.
 fn refusal(folder: &Folder, study: Value) -> String {
     println!("{study}");
     let study = folder.study("wrong.json", study);
@@ -15,7 +15,7 @@ fn refusal(folder: &Folder, study: Value) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_said_in_one_line() {
+fn wrong_studies_are_rejected_in_one_line() {
     let folder = Folder::new("refusals");
     fs::write(folder.0.join("points.csv"), "crank.mass,crank.mass\n1,2\n").unwrap();
     fs::write(folder.0.join("words.csv"), "crank.mass\n1,5\n").unwrap();

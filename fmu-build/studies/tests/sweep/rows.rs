@@ -1,13 +1,13 @@
-//! What a row says: the bits of `cargo fmu simulate`, times of events, failures.
+//! Contents of a row: bits of `cargo fmu simulate`, times of events, failures.
 
 use crate::support::{Folder, simulated, simulated_of};
 use fmu_build::workspace::Workspace;
 use serde_json::json;
 use std::fs;
 
-/// Inputs and parameters that change from run to run, without order, so that each run follows a different one.
+/// Inputs and parameters that vary irregularly between runs, so that each run follows a different one.
 #[test]
-fn rows_are_those_of_simulate_to_the_bit() {
+fn rows_are_bit_identical_to_those_of_simulate() {
     let folder = Folder::new("bits");
     let names = ["actuator.force", "load_factor", "crank.mass", "crank.start_angle", "friction.enabled"];
     let points = [
@@ -72,8 +72,8 @@ fn rows_are_those_of_simulate_to_the_bit() {
     assert!(rows.column("met").iter().any(|time| !time.is_nan()));
 }
 
-/// The other stop is asked for, too, so that runs are made by steps: the same times, and the same texts of runs that do
-/// not get there, also of a grid and of inputs that size no load.
+/// With the second stop the runs are made by steps. They have the same times, and the same texts for runs that do not
+/// reach the stop, also for a grid and for inputs that are no load.
 #[test]
 fn times_by_energy_are_those_of_the_steps() {
     let folder = Folder::new("energy");
@@ -127,7 +127,7 @@ fn a_run_ends_at_its_event() {
     for row in 0..9 {
         let force = rows.number(row, "actuator.force");
         if force < 25e3 {
-            // The actuator is too weak.
+            // The actuator force is too small.
             assert_eq!(
                 rows.text(row, "message"),
                 "the output retracted (scenario.stop_at) did not become true within 0.5 s"
@@ -135,7 +135,7 @@ fn a_run_ends_at_its_event() {
             assert!(rows.number(row, "met").is_nan() && rows.number(row, "up") == 0.0);
             continue;
         }
-        // The first impact, found by steps that have one impact at most.
+        // The first impact, found by steps with at most one impact.
         let values = [
             format!("actuator.force={force}"),
             format!("upstop.restitution={}", rows.number(row, "upstop.restitution")),
@@ -146,7 +146,7 @@ fn a_run_ends_at_its_event() {
         let met = rows.number(row, "met");
         assert!((met - expected).abs() < 1e-9, "{row}: {met} {expected}");
         assert_eq!(rows.number(row, "count"), 1.0);
-        // A stop that gives speed back is left at once: within rounding of the impact either value is right.
+        // A stop with restitution is left at once. Within the rounding of the impact time either value is right.
         assert!(rows.number(row, "upstop.restitution") > 0.0 || rows.number(row, "up") == 1.0);
         assert!((rows.number(row, "angle") + 1.3).abs() < 1e-12 && rows.number(row, "blow") > 0.0);
         assert!(rows.number(row, "down").is_nan());
@@ -193,11 +193,11 @@ fn a_failed_run_is_a_row() {
         let is_failed = failed == "1" && message.contains(said) && rows.number(row, "angle").is_nan();
         assert!(if said.is_empty() { is_whole } else { is_failed }, "{row}: {failed} {message}");
     }
-    // A run after failures is what it is alone.
+    // A run after failed runs equals a single run.
     assert_eq!(rows.text(0, "angle"), rows.text(12, "angle"));
 }
 
-/// A gear with its circuit: parameters of both, the valve over time; each row is that of a run of its own.
+/// A gear with its circuit, with parameters of both and the valve over time. Each row is that of a separate run.
 #[test]
 fn a_hydraulic_mechanism_is_swept() {
     let folder = Folder::new("hydraulic");
@@ -240,7 +240,7 @@ fn a_hydraulic_mechanism_is_swept() {
     assert!(angle(0) != angle(2) && angle(0) != angle(4) && angle(0) < 0.8, "{:?}", rows.column("angle"));
 }
 
-/// Values of a parameter set hold in all runs, unless a factor, a start value or the scenario states another.
+/// Values of a parameter set apply to all runs, unless a factor, a start value or the scenario states another value.
 #[test]
 fn a_parameter_set_of_a_study_yields_to_its_other_keys() {
     let folder = Folder::new("parameters");

@@ -1,4 +1,4 @@
-//! Studies of the landing gear in folders of their own, and their rows.
+//! Studies of the landing gear in separate folders, and their rows.
 
 use fmu_build::workspace::Workspace;
 use fmu_studies::simulate;
@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::{env, fs, process};
 
-/// A folder that is removed with all that is in it.
+/// A folder that is removed with its contents.
 pub struct Folder(pub PathBuf);
 
 impl Folder {
@@ -19,7 +19,7 @@ impl Folder {
         Self(path)
     }
 
-    /// A study of the landing gear with these sections besides.
+    /// A study of the landing gear with these additional sections.
     pub fn study(&self, name: &str, mut study: Value) -> PathBuf {
         let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
         study.as_object_mut().unwrap().entry("mechanism").or_insert(json!(gear));
@@ -28,7 +28,7 @@ impl Folder {
         path
     }
 
-    /// Make the study; its rows.
+    /// Make the runs of the study. Returns its rows.
     pub fn rows(&self, study: Value) -> Rows {
         let study = self.study("study.json", study);
         let out = self.0.join("out");
@@ -44,7 +44,7 @@ impl Drop for Folder {
     }
 }
 
-/// Make a study with so many threads.
+/// Make the runs of a study with this number of threads.
 pub fn sweep(study: &Path, out: &Path, threads: u16) -> anyhow::Result<simulate::Outcome> {
     let (study, out) = (study.to_path_buf(), Some(out.to_path_buf()));
     let arguments = Arguments { study, out, csv: true, threads: Some(threads), ..Default::default() };

@@ -29,7 +29,7 @@ from ._errors import (
     SimulationError,
 )
 
-# Not that of typing, whose import takes longer than that of this package.
+# Not from typing, whose import takes longer than that of this package.
 TYPE_CHECKING = False
 
 _FOLDER = _engine.folder(path.realpath(__path__[0]), sys.executable or None)
@@ -52,7 +52,7 @@ if TYPE_CHECKING:
     from ._result import Result
     from ._study import Optimum, optimise, sweep
 
-# Modules of the names that are imported when they are first used.
+# Modules of the names that are imported at their first use.
 _LAZY = {
     "build": "build",
     "Info": "_fmu",

@@ -9,8 +9,8 @@ from . import _engine
 
 
 def main() -> int:
-    """Run the command line; the exit code."""
-    # The program ends at Ctrl-C by itself, or handles it: Python's handler would only take a note.
+    """Run the command line. Returns the exit code."""
+    # The program ends at Ctrl-C or handles it. Python's handler would only record it.
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     return _engine.main(["linkage-fmu", *sys.argv[1:]])
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-# Not that of typing, whose import takes longer than that of this package.
+# Not from typing, whose import takes longer than that of this package.
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
@@ -50,7 +50,7 @@ class LinkageWarning(UserWarning):
 
 
 def wrong(argument: str, given: Any, expected: str) -> NoReturn:  # noqa: ANN401
-    """Raise that an argument is of a wrong type."""
+    """Raise the exception for an argument with a wrong type."""
     shown = repr(given)
     shown = shown if len(shown) <= 60 else f"{shown[:60]}..."
     raise InputTypeError(f"{argument} = {shown}: must be {expected}")

@@ -1,4 +1,4 @@
-"""Tables and curves for notebooks, in the colours of the page around them, which may be light or dark."""
+"""Tables and curves for notebooks, in the light or dark colours of the surrounding page."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-#: Most rows of a table of variables.
+#: Largest number of rows of a table of variables.
 MOST_ROWS = 30
-#: Width and height of a curve [px], and most points from left to right.
+#: Width and height of a curve [px], and largest number of points from left to right.
 WIDTH, HEIGHT, POINTS = 120.0, 22.0, 120
 
 
@@ -29,7 +29,7 @@ def table(caption: str, rows: Iterable[Iterable[str]], head: Iterable[str] = ())
 
 
 def variables(caption: str, columns: Iterable[tuple[str, str, np.ndarray[Any, Any]]], remedy: str) -> str:
-    """A table of variables with their names, units and values, one row each. `remedy` says how to see all of them."""
+    """A table of variables with names, units and values, one row each. `remedy` states how to show all of them."""
     shown = list(columns)
     if len(shown) > MOST_ROWS:
         caption += f" ({MOST_ROWS} of {len(shown)} variables; {remedy})"
@@ -39,7 +39,7 @@ def variables(caption: str, columns: Iterable[tuple[str, str, np.ndarray[Any, An
 
 def number(value: float) -> str:
     """A number with at most six digits."""
-    # No sign of zero.
+    # Adding 0 removes the sign of a negative zero.
     return f"{value + 0.0:.6g}"
 
 
@@ -54,7 +54,7 @@ def _row(kind: str, cells: Iterable[str]) -> str:
 
 
 def _extremes(values: np.ndarray[Any, Any]) -> list[str]:
-    """First, last, least and largest value of a column, and its curve."""
+    """First, last, smallest and largest value of a column, and its curve."""
     if values.dtype == np.bool_:
         ends = [str(bool(value)) for value in (values[0], values[-1])]
         return [*ends, "", "", Html(_curve(values.astype(float)))]
@@ -64,16 +64,16 @@ def _extremes(values: np.ndarray[Any, Any]) -> list[str]:
 
 
 def _curve(values: np.ndarray[Any, Any]) -> str:
-    """Values from left to right as a line, which is broken where a value is not finite."""
+    """Values from left to right as a line. A value that is not finite interrupts the line."""
     each = -(-len(values) // POINTS)
     if each > 1:
-        # Several values at one place: a line from the least to the largest.
+        # Several values at one position: a line from the smallest to the largest.
         groups = np.pad(values, (0, -len(values) % each), mode="edge").reshape(-1, each)
         values = np.column_stack([np.fmin.reduce(groups, axis=1), np.fmax.reduce(groups, axis=1)]).ravel()
     finite = np.isfinite(values)
     if len(values) < 2 or not finite.any():
         return ""
-    # Halves, because the difference of two numbers may be too large for a number.
+    # Half values are used, because the difference of two numbers may overflow.
     low, high = values[finite].min() / 2, values[finite].max() / 2
     parts, is_on = [], False
     for k, (value, is_drawn) in enumerate(zip(values, finite, strict=True)):

@@ -49,7 +49,7 @@ class LinearModel:
     D: Array
 
     def __iter__(self) -> Any:  # noqa: ANN401
-        """The matrices A, B, C, D, as `scipy.signal.StateSpace(*model)` takes them."""
+        """The matrices A, B, C, D, for `scipy.signal.StateSpace(*model)`."""
         return iter((self.A, self.B, self.C, self.D))
 
 

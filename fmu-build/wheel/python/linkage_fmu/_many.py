@@ -15,7 +15,7 @@ from ._result import Result
 if TYPE_CHECKING:
     from ._mechanism import Mechanism
 
-#: Most bytes of a result.
+#: Largest number of bytes of a result.
 MOST_BYTES = 2e9
 
 
@@ -55,7 +55,7 @@ def simulate_many(
         mechanism._model, list(varied), rows.tobytes(), stop_time, columns.plan, shared, threads
     )
     values = np.frombuffer(raw).reshape(count, len(names))
-    # A Boolean of a failed run is no truth value.
+    # A Boolean of a failed run has no value.
     has_nan = {name: np.isnan(values[:, place]).any() for place, name in enumerate(names)}
     types = [
         (name, np.dtype(np.float64) if name in varied or has_nan[name] else columns.dtype[name])
@@ -83,11 +83,11 @@ def simulate_many(
 
 
 def _column(name: str, given: Any) -> np.ndarray[Any, Any]:  # noqa: ANN401
-    """Start values of one variable, a number for each run."""
+    """Start values of one variable, one number per run."""
     try:
         column = np.asarray(given)
     except ValueError:
-        # Entries of several lengths.
+        # Entries of different lengths.
         column = np.empty((0, 0))
     if column.ndim != 1 or not len(column) or column.dtype.kind not in "fiu":
         raise InputError(f"start_values: {name} must be one number, or one column of numbers with one for each run")

@@ -1,4 +1,4 @@
-"""Mechanisms and what is done with one."""
+"""Mechanisms and their functions."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ._page import Page
     from ._result import Columns, Result
 
-#: What a definition is given as: a path, a dictionary, or the text of a file.
+#: Form of a definition: a path, a dictionary, or the text of a file.
 Source = str | os.PathLike[str] | Mapping[str, Any]
 #: A start value: a number in SI units, a truth value, a text with a unit such as "45 deg", or the name of an item.
 StartValue = float | bool | str
@@ -273,7 +273,7 @@ class Mechanism:
         return simulate_many(self, start_values, stop_time, output, threads)
 
     def _recorded(self, output: Iterable[str] | None) -> Columns:
-        """The columns of a run; those of a list that has been given before are known."""
+        """The columns of a run. The columns of a list that was given before are known."""
         from ._result import Columns
 
         key = tuple(output) if isinstance(output, list) else output

@@ -1,4 +1,4 @@
-"""Pages that show a moving mechanism."""
+"""Pages with a moving mechanism."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class Page:
         webbrowser.open(Path(file.name).as_uri())
 
     def _repr_html_(self) -> str:
-        # A frame of its own: neither style nor script meets those of the notebook.
+        # A separate frame: neither style nor script affects the notebook.
         return (
             f'<iframe srcdoc="{html.escape(self.html)}" width="100%" height="{self._height}" '
             'style="border:0" sandbox="allow-scripts"></iframe>'

@@ -1,4 +1,4 @@
-"""What a check of a definition has found."""
+"""The results of a check of a definition."""
 
 from __future__ import annotations
 
@@ -114,7 +114,7 @@ class Report:
         return f"<Report on {self.name or 'no model'}: {len(self.errors)} errors, {len(self.warnings)} warnings>"
 
     def _repr_html_(self) -> str:
-        # Here, as numpy is imported with it.
+        # Imported here, because the import also imports numpy.
         from ._html import Html, table
 
         rows: list[tuple[str, ...]] = []

@@ -57,7 +57,7 @@ def signals(given: Any) -> Signals:  # noqa: ANN401
         try:
             values = np.asarray(given[name])
         except ValueError:
-            # Entries of several lengths.
+            # Entries of different lengths.
             values = np.empty((0, 0))
         if values.ndim != 1 or values.dtype.kind not in "fiub":
             raise InputError(f"input: {name} must be one column of numbers or truth values")
@@ -146,7 +146,7 @@ class Result(np.ndarray[Any, Any]):
         if show:
             pyplot.show()
         else:
-            # A notebook shows the figure that a cell returns; an open one would be shown twice.
+            # A notebook shows the figure that a cell returns. An open figure would be shown twice.
             pyplot.close(figure)
         return figure
 
@@ -174,7 +174,7 @@ class Result(np.ndarray[Any, Any]):
             rows += f" from {number(self['time'][0])} s to {number(self['time'][-1])} s"
         of = f"Result of {self._origin[0].name}: " if self._origin else "Result: "
         columns = [(name, self.units.get(name, "1"), self[name]) for name in self.names if name != "time"]
-        # A user may have made an array with other types of this one.
+        # A user may have made an array with other types from this one.
         numbers = [own for own in columns if own[2].ndim == 1 and own[2].dtype.kind in "fiub"]
         return variables(of + rows, numbers, "to_pandas() shows all columns")
 

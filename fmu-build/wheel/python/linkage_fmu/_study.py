@@ -21,14 +21,14 @@ from ._mechanism import Mechanism, as_json
 if TYPE_CHECKING:
     import pandas
 
-#: What a study is given as: the path of a study file, or a dict with its keys.
+#: Form of a study: the path of a study file, or a dict with its keys.
 Study = str | os.PathLike[str] | Mapping[str, Any]
-#: Called with the numbers of runs that are done and of all runs.
+#: Called with the number of completed runs and the number of all runs.
 Progress = Callable[[int, int], object]
 
 
 class _Bar:
-    """How far a study is: tqdm where it is installed, else a line of text."""
+    """Progress of a study: tqdm if it is installed, else a line of text."""
 
     def __init__(self) -> None:
         self._bar: Any = None
@@ -56,7 +56,7 @@ class _Bar:
 
 
 def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
-    """The file of a study; one that is given as a dict is written into the folder."""
+    """The file of a study. A study that is given as a dict is written into the folder."""
     if isinstance(study, Mapping):
         base, stated = Path.cwd(), dict(study)
     else:
@@ -119,14 +119,14 @@ def _table(path: Path, log: str) -> pandas.DataFrame:
     with path.open(encoding="utf-8", newline="") as file:
         names, *rows = csv.reader(file)
     columns = zip(*rows, strict=True) if rows else [()] * len(names)
-    # Python reads all digits, so that each number is the one that was computed.
+    # Python reads all digits, so that each number is bit-identical to the computed one.
     frame = pandas.DataFrame({name: _column(cells) for name, cells in zip(names, columns, strict=True)})
     frame.attrs["log"] = log
     return frame
 
 
 def _column(cells: Sequence[str]) -> list[Any]:
-    """Cells as truth values, whole numbers, numbers or texts; the first that all are."""
+    """Cells as Booleans, integers, numbers or texts: the first type that fits all cells."""
     if all(cell in ("true", "false") for cell in cells):
         return [cell == "true" for cell in cells]
     for kind in (int, float):

@@ -29,7 +29,7 @@ from typing import Any
 
 from ._errors import InputError, wrong
 
-#: Section of the definition, name in the section, keys, and the places of bodies in the drawing.
+#: Section of the definition, name in the section, keys, and the points of bodies in the drawing.
 Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
 
 
@@ -153,7 +153,7 @@ def _joint(kind: str, name: str, bodies: tuple[str, str], at: Sequence[float], k
 
 
 def _place(values: dict[str, Any], is_ground: bool, point: str, at: list[float]) -> str:
-    """Draw a point of a body; the name that it has there. The frame of the drawing is that of the ground."""
+    """Draw a point of a body. Returns the name of the point. The frame of the drawing is that of the ground."""
     drawn: dict[str, list[float]] = values.setdefault("points" if is_ground else "drawn", {})
     if is_ground and at == [0, 0]:
         return "origin"

@@ -1,6 +1,6 @@
 //! One step of the explicit Runge-Kutta pair of order 8 with an interpolant of order 7 (DOP853).
 //!
-//! In: a system, a point, a step size. Out: the step with its error estimate, its interpolant, what it feels of
+//! In: a system, a point, a step size. Out: the step with its error estimate, its interpolant, an estimate of
 //! stiffness.
 //! Source: Hairer, Norsett, Wanner, Solving ODEs I (1993), II.5, II.6 (dense output), II.10 (error).
 pub mod tableau;
@@ -10,11 +10,12 @@ use crate::integrator::pair::{Outcome, Pair, Path, Start, add_compensated, bulge
 use crate::integrator::{Dense, Method, System};
 use tableau::{A, C, D, E3, E5, EXTENDED, STAGES};
 
-/// h |lambda| at about which the interval of stability ends on the negative real axis; Solving ODEs II (1996), IV.2.
+/// Approximate h |lambda| at the end of the interval of stability on the negative real axis; Solving ODEs II (1996),
+/// IV.2.
 pub const STABLE_TO: f64 = 6.1;
 
-/// Part of the square of the estimate of order 3 that an error is at least. Of a harmonic oscillation it is just what
-/// the error is, so that smooth motions take the same steps with and without it.
+/// Lower limit of an error, relative to the square of the estimate of order 3. For a harmonic oscillation the limit
+/// equals the error, so that it does not change the steps of smooth motions.
 const LEAST: f64 = 1.0 / 32.0;
 
 /// f at the 12 stages and at the end.
@@ -44,7 +45,7 @@ impl<const N: usize> Path<N> for Dop853<N> {
         bulge(h, extremes(self.0.iter().map(|f| f[n])))
     }
 
-    /// Of order 7; costs three evaluations, at stages within the step.
+    /// Of order 7, with three evaluations at stages within the step.
     fn dense<S: System<N>>(&self, system: &mut S, t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let mut k = [[0.0; N]; EXTENDED];
         let mut points = [[0.0; N]; EXTENDED - STAGES - 1];
@@ -89,7 +90,7 @@ impl<const N: usize> Pair<N> for Dop853<N> {
                 k[$i] = system.$rates(t + C[$i] * h, &at);
             }};
         }
-        // Neither the end of the step nor its interpolant counts these stages; only later ones do.
+        // The end of the step and its interpolant do not depend on these stages; only later stages do.
         stage!(1 leading; 0);
         stage!(2 leading; 0 1);
         stage!(3 leading; 0 2);
@@ -110,9 +111,9 @@ impl<const N: usize> Pair<N> for Dop853<N> {
         Outcome { last: Some(k[STAGES]), stages: Self(k), end, carry: lost }
     }
 
-    /// Error estimate over the tolerance: II.10, eq. (10.17), but at least a part [`LEAST`] of the square of the
-    /// estimate of order 3 over the tolerance, which is of the same order. Where the estimate of order 5 passes 0,
-    /// within a step, it alone would tell nothing.
+    /// Ratio of the error estimate to the tolerance: II.10, eq. (10.17), but at least [`LEAST`] times the square of the
+    /// ratio of the estimate of order 3 to the tolerance, which is of the same order. The estimate of order 5 alone is
+    /// useless if it passes 0 within a step.
     fn error<S: System<N>>(&self, h: f64, scale: &[f64; N], tolerance: f64) -> f64 {
         let (mut fifth, mut third) = (0.0, 0.0);
         for n in 0..S::LEADING {
@@ -131,7 +132,7 @@ impl<const N: usize> Pair<N> for Dop853<N> {
     }
 
     /// From the last stage and the end of the step, both at t + h: |f(end) - f(stage)| / |end - stage|; Solving ODEs II
-    /// (1996), IV.2, eq. (2.26), components over their scales.
+    /// (1996), IV.2, eq. (2.26), with components relative to their scales.
     fn stiffness<S: System<N>>(&self, h: f64, [start, end]: [&[f64; N]; 2], scale: &[f64; N]) -> f64 {
         let (k, mut rates, mut points) = (&self.0, 0.0, 0.0);
         for n in 0..S::LEADING {

@@ -1,12 +1,12 @@
 //! Coefficients of the explicit Runge-Kutta pair of order 8(5, 3) by Dormand and Prince.
 //!
 //! Source: Hairer, Norsett, Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), section II.5 (the
-//! method, its order conditions and both error estimators) and II.6 (the interpolant of order 7); numbers as in their
+//! method, its order conditions and both error estimators) and II.6 (the interpolant of order 7). Numbers as in their
 //! DOP853.
 
-/// Stages of the step.
+/// Number of stages of the step.
 pub const STAGES: usize = 12;
-/// Stages with the derivative at the end of the step and the three further ones of the interpolant.
+/// Number of stages including the derivative at the end and the three further stages of the interpolant.
 pub const EXTENDED: usize = 16;
 
 /// Nodes c_i.
@@ -16,7 +16,7 @@ pub const C: [f64; EXTENDED] = [
     0.3076923076923077, 0.6512820512820513, 0.6, 0.8571428571428571, 1.0, 1.0, 0.1, 0.2, 0.7777777777777778,
 ];
 
-/// Coefficients a_ij, row i: the rows 0 to 11 of the step, 12 its weights b_j, 13 to 15 the interpolant's stages.
+/// Coefficients a_ij, row i. Rows 0 to 11: the step; row 12: its weights b_j; rows 13 to 15: stages of the interpolant.
 #[rustfmt::skip]
 pub const A: [[f64; EXTENDED - 1]; EXTENDED] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],

@@ -1,9 +1,9 @@
 //! Coefficients of Radau IIA with three stages.
 //!
 //! Source: Hairer, Wanner, Solving Ordinary Differential Equations II, 2nd ed. (1996): the method, table IV.5.6; the
-//! transformation and the error estimate, IV.8; numbers of T and T^-1 as in their RADAU5.
+//! transformation and the error estimate, IV.8. Numbers of T and T^-1 as in their RADAU5.
 
-/// Stages.
+/// Number of stages.
 pub const STAGES: usize = 3;
 
 const ROOT_6: f64 = 2.449_489_742_783_178;
@@ -11,7 +11,7 @@ const ROOT_6: f64 = 2.449_489_742_783_178;
 /// Nodes c_i: the roots of d^2/dx^2 (x^2 (x - 1)^3).
 pub const C: [f64; STAGES] = [0.4 - 0.1 * ROOT_6, 0.4 + 0.1 * ROOT_6, 1.0];
 
-/// Coefficients a_ij; the last row are the weights b_j.
+/// Coefficients a_ij. The last row contains the weights b_j.
 #[cfg(test)]
 pub const A: [[f64; STAGES]; STAGES] = [
     [(88.0 - 7.0 * ROOT_6) / 360.0, (296.0 - 169.0 * ROOT_6) / 1800.0, (-2.0 + 3.0 * ROOT_6) / 225.0],
@@ -38,6 +38,6 @@ pub const T_INVERSE: [[f64; STAGES]; STAGES] = [
     [-0.502_872_634_945_786_9, 2.571_926_949_855_605, -0.596_039_204_828_224_9],
 ];
 
-/// Error estimate: weights e_i of the increments z_i; with f at the start it vanishes on polynomials of degree 3.
-/// IV.8, eq. (8.19), divided by gamma_0.
+/// Error estimate: weights e_i of the increments z_i. With f at the start, the estimate is 0 for polynomials of degree
+/// 3. IV.8, eq. (8.19), divided by gamma_0.
 pub const E: [f64; STAGES] = [-(13.0 + 7.0 * ROOT_6) / 3.0, (-13.0 + 7.0 * ROOT_6) / 3.0, -1.0 / 3.0];

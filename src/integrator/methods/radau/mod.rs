@@ -1,7 +1,7 @@
 //! One step of the implicit Runge-Kutta method Radau IIA of order 5, L-stable, by collocation at three points.
 //!
-//! In: a system with its Jacobian, a point, a step size. Out: the step with its error estimate, or that Newton's method
-//! did not converge; the collocation polynomial.
+//! In: a system with its Jacobian, a point, a step size. Out: the step with its error estimate, or None if Newton's
+//! method did not converge; the collocation polynomial.
 //! Source: Hairer, Wanner, Solving ODEs II (1996), IV.5 (method), IV.8 (Newton's method, starting values, error).
 pub mod coefficients;
 
@@ -13,19 +13,19 @@ use crate::integrator::{Dense, Method, Statistics, System};
 use crate::numerics::gauss::Complex;
 use coefficients::{ALPHA, BETA, C, E, GAMMA, STAGES, T, T_INVERSE};
 
-/// Order of the error estimate plus 1: it falls as this power of the step size.
+/// Order of the error estimate plus 1. The estimate is proportional to this power of the step size.
 pub const ERROR_POWER: f64 = 4.0;
-/// Iterations of Newton's method after which a smaller step converges sooner.
+/// Number of Newton iterations after which a smaller step is cheaper.
 const ITERATIONS: u32 = 10;
 /// Part of the tolerance at which Newton's method stops.
 const NEWTON: f64 = 0.01;
-/// Rate of convergence up to which a Jacobian is kept for the next step: a new one costs about as much as three
+/// Rate of convergence up to which a Jacobian is kept for the next step. A new Jacobian costs about as much as three
 /// iterations.
 const KEEP: f64 = 0.03;
-/// Ratio of a correction to that goal, below which no second correction is needed to estimate the rate of convergence.
+/// Ratio of a correction to the goal of Newton's method, below which the rate of convergence need not be estimated.
 const NEGLIGIBLE: f64 = 0.1;
 
-/// Increments over the start at the three nodes.
+/// Increments from the start to the three nodes.
 type Increments<const N: usize> = [[f64; N]; STAGES];
 
 /// Stages of a step, for its interpolant and for a shorter step.
@@ -35,21 +35,22 @@ pub struct Radau<const N: usize> {
     inner: [[f64; N]; 2],
     /// f at the start.
     first: [f64; N],
-    /// Tolerance that the step was made for.
+    /// Tolerance of the step.
     tolerance: f64,
     /// Error of the collocation polynomial.
     error: [f64; N],
 }
 
-/// Newton's method of a step: the matrix, the goal, and the step before, from which it starts.
+/// Newton's method of a step: the scales, the tolerance, and the previous step, from which it starts.
 pub struct Newton<'a, const N: usize> {
     pub scale: &'a [f64; N],
     pub tolerance: f64,
-    /// The step before, if it was one of Radau.
+    /// The previous step, if it was a Radau step.
     pub before: Option<&'a Collocation<N>>,
 }
 
-/// Collocation polynomial of a step, as its increments; its continuation starts Newton's method of the next step.
+/// Collocation polynomial of a step, as its increments. Its extrapolation is the start of Newton's method in the next
+/// step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Collocation<const N: usize> {
     h: f64,
@@ -57,21 +58,21 @@ pub struct Collocation<const N: usize> {
 }
 
 impl<const N: usize> Collocation<N> {
-    /// To be read into.
+    /// A polynomial for [`Self::record`] to fill.
     pub fn blank() -> Self {
         Self { h: 0.0, z: [[0.0; N]; STAGES] }
     }
 
-    /// All fields, written or read.
+    /// Writes or reads all fields.
     ///
     /// # Errors
-    /// A field is read that no step leaves.
+    /// A field that was read has a value that no step can produce.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.positive("last implicit step", &mut self.h)?;
         self.z.iter_mut().try_for_each(|z| record.all_finite("increments", z))
     }
 
-    /// Increments of a step of size h from the part `from` of this one, 0 its start, 1 its end.
+    /// Increments of a step of size h that starts at the part `from` of this step: 0 its start, 1 its end.
     fn guess(&self, from: f64, h: f64) -> Increments<N> {
         let terms = self.terms();
         let value = |s: f64, n: usize| s * (terms[0][n] + (1.0 - s) * (terms[1][n] + s * terms[2][n]));
@@ -102,7 +103,7 @@ impl<const N: usize> Path<N> for Radau<N> {
         self.first
     }
 
-    /// From the Bernstein coefficients of the collocation polynomial, which enclose it, and its error.
+    /// From the Bernstein coefficients of the collocation polynomial, which are its bounds, and its error.
     fn bulge(&self, n: usize, h: f64, ends: [&[f64; N]; 2]) -> f64 {
         let [t0, t1, t2] = self.collocation(h, ends).terms().map(|term| term[n]);
         let inner = [(t0 + t1) / 3.0, (2.0 * t0 + t1 + t2) / 3.0];
@@ -110,8 +111,8 @@ impl<const N: usize> Path<N> for Radau<N> {
         BULGE_MARGIN * (beyond[0].max(beyond[1]).max(0.0) + self.error[n])
     }
 
-    /// The collocation polynomial, of order 3. It is off the motion by what the error estimate of the step filters out
-    /// of the defect at its start.
+    /// The collocation polynomial, of order 3. Its deviation from the motion is the filtered defect at its start, as in
+    /// the error estimate of the step.
     fn dense<S: System<N>>(&self, _system: &mut S, _t: f64, h: f64, ends: [&[f64; N]; 2]) -> Dense<N> {
         let mut terms = [[0.0; N]; TERMS];
         terms[..3].copy_from_slice(&self.collocation(h, ends).terms());
@@ -125,8 +126,8 @@ impl<const N: usize> Radau<N> {
         Collocation { h, z: [self.inner[0], self.inner[1], std::array::from_fn(|n| end[n] - start[n])] }
     }
 
-    /// The step of size h with its error over the tolerance; none if Newton's method does not converge with the
-    /// Jacobian in `kept`, which is of no use from then on unless it converges well.
+    /// The step of size h with the ratio of its error to the tolerance. None if Newton's method does not converge with
+    /// the Jacobian in `kept`. The Jacobian stays useful only if Newton's method converges fast enough.
     pub fn attempt<S: System<N>>(
         system: &mut S,
         start: &Start<N>,
@@ -146,7 +147,7 @@ impl<const N: usize> Radau<N> {
     }
 
     /// The step of size h, shorter than the step of these stages and from the same start. `whole` is the collocation
-    /// polynomial of the longer step: it has met the tolerance, so it is taken where Newton's method does not converge.
+    /// polynomial of the longer step. It has met the tolerance, so it is used if Newton's method does not converge.
     pub fn shorten<S: System<N>>(
         &self,
         system: &mut S,
@@ -174,7 +175,7 @@ impl<const N: usize> Radau<N> {
     }
 }
 
-/// matrix times z, block by block, in the leading components.
+/// `matrix` times z, block by block, in the leading components.
 #[inline]
 fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<N>, leading: usize) -> Increments<N> {
     let mut all = [[0.0; N]; STAGES];
@@ -186,11 +187,12 @@ fn transformed<const N: usize>(matrix: &[[f64; STAGES]; STAGES], z: &Increments<
     all
 }
 
-/// Solve the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
-/// one complex system; eqs. (8.4) to (8.13). Also the rate of convergence, 0 where one correction was enough.
+/// Solves the collocation equations z = h (A x I) F(y + z) by the simplified Newton method, transformed to one real and
+/// one complex system; eqs. (8.4) to (8.13). Also returns the rate of convergence, or 0 if one correction was
+/// sufficient.
 ///
-/// Newton's method stops when the estimated remaining error is below `NEWTON` of the tolerance or at rounding. It
-/// solves for the leading components; the components after these follow from their rates.
+/// Newton's method stops when the estimated remaining error is below `NEWTON` times the tolerance or at the rounding
+/// error. It solves for the leading components. The other components follow from their rates.
 fn collocate<S: System<N>, const N: usize>(
     system: &mut S,
     start: &Start<N>,
@@ -243,9 +245,9 @@ fn collocate<S: System<N>, const N: usize>(
         }
         let mut is_solved = change <= NEGLIGIBLE;
         if iteration > 0 && !is_solved {
-            // The changes left sum to at most this, for all of them and for those after the last iteration.
+            // The sum of the remaining changes is at most `rest`, now and after the last iteration.
             let rest = change * rate / (1.0 - rate);
-            // Rounding stops it a little above its goal; anything more is divergence.
+            // Rounding errors can stop the iteration slightly above its goal. A larger change is divergence.
             is_solved = if rate >= 0.99 { change <= 0.1 / NEWTON } else { rest <= 1.0 };
             let is_hopeless = rest * rate.powi((iterations - 1 - iteration) as i32) > 1.0;
             if !is_solved && (rate >= 0.99 || is_hopeless) {
@@ -262,8 +264,8 @@ fn collocate<S: System<N>, const N: usize>(
     None
 }
 
-/// The transformed increments of the components after the leading ones, as Newton's method for the whole system finds
-/// them: from the rates g at the last stages and the last correction of the leading components.
+/// The transformed increments of the components after the leading ones. They follow from the rates g at the last stages
+/// and the last correction of the leading components. They equal the result of Newton's method for the whole system.
 fn integrals<const N: usize>(
     kept: &Kept<N>,
     h: f64,
@@ -286,8 +288,8 @@ fn integrals<const N: usize>(
 }
 
 /// Error of the leading components: the embedded formula of order 3, damped as (gamma_0^-1 I / h - J)^-1, eq. (8.19).
-/// RADAU5 damps a second time after a rejection, eq. (8.20); here the estimate must hold for the slow error of a stiff
-/// component too, which that makes h |lambda| times smaller than it is.
+/// RADAU5 damps a second time after a rejection, eq. (8.20). A second damping would reduce the estimate of the slow
+/// error of a stiff component by the factor h |lambda|. It is not used here.
 fn error<const N: usize>(start: &Start<N>, h: f64, z: &Increments<N>, kept: &Kept<N>) -> [f64; N] {
     let mut defect = [0.0; N];
     for (n, defect) in defect[..kept.leading].iter_mut().enumerate() {

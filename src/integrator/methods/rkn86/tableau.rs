@@ -3,13 +3,13 @@
 //! Source: High-order embedded Runge-Kutta-Nystroem formulae, IMA J. Numer. Anal. 7 (1987), 423, RKN8(6)9FM. The order
 //! conditions are tested.
 
-/// Evaluations of a step; the last is that at its end, which the next step starts with.
+/// Number of evaluations. The last one is at the end of the step, which is the first of the next step.
 pub const STAGES: usize = 9;
 
 /// Nodes c_i.
 pub const C: [f64; STAGES] = [0.0, 1.0 / 20.0, 1.0 / 10.0, 3.0 / 10.0, 1.0 / 2.0, 7.0 / 10.0, 9.0 / 10.0, 1.0, 1.0];
 
-/// Coefficients a_ij of h^2 f_j, row i; the last row is the weights of q.
+/// Coefficients a_ij of h^2 f_j, row i. The last row contains the weights of q.
 #[rustfmt::skip]
 pub const A: [[f64; STAGES - 1]; STAGES] = [
     [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -39,25 +39,25 @@ pub const WEIGHTS: [f64; STAGES - 1] = [
     223.0 / 7938.0,
 ];
 
-/// Weights of h^2 f_i in q less those of the pair's method of order 6.
+/// Weights of h^2 f_i in q minus those of the pair's method of order 6.
 #[rustfmt::skip]
 pub const E: [f64; STAGES - 1] = [
     -544307.0 / 12215700.0, 0.0, 544307.0 / 4963840.0, -544307.0 / 3722880.0, 1632921.0 / 12409600.0,
     -544307.0 / 8686720.0, 544307.0 / 44674560.0, 0.0,
 ];
 
-/// The same for h f_i in q'.
+/// Weights of h f_i in q' minus those of the pair's method of order 6.
 #[rustfmt::skip]
 pub const E_RATE: [f64; STAGES] = [
     -544307.0 / 12215700.0, 0.0, 544307.0 / 4467456.0, -544307.0 / 2606016.0, 1632921.0 / 6204800.0,
     -544307.0 / 2606016.0, 544307.0 / 4467456.0, 322012.0 / 3053925.0, -3.0 / 20.0,
 ];
 
-/// Places within a step, as parts of it, at which the interpolant evaluates the force.
+/// Places at which the interpolant evaluates the force, as parts of the step.
 pub const PLACES: [f64; 4] = [3.0 / 20.0, 1.0 / 3.0, 2.0 / 3.0, 17.0 / 20.0];
 
-/// Inverse of the derivatives of s^2 (1 - s)^2, s^3 (1 - s)^2, s^3 (1 - s)^3 and s^4 (1 - s)^3, column by column, at
-/// [`PLACES`], row by row.
+/// Inverse of the matrix of the derivatives of s^2 (1 - s)^2, s^3 (1 - s)^2, s^3 (1 - s)^3 and s^4 (1 - s)^3 (columns)
+/// at [`PLACES`] (rows).
 #[rustfmt::skip]
 pub const FROM_SLOPES: [[f64; 4]; 4] = [
     [800000.0 / 1124277.0, -5490099.0 / 214148.0, -161109.0 / 9734.0, -7200000.0 / 579173.0],

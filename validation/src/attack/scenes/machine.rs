@@ -1,14 +1,14 @@
 //! Random machines of the scenes: a block on a slope, a slider-crank, a four-bar linkage, with friction, stops,
 //! bumpers, a lock, a drive with losses.
 //!
-//! In: random numbers. Out: sketches at their start. It must not know an equation of motion.
+//! In: random numbers. Out: sketches at their start. Must not depend on an equation of motion.
 use super::super::random::Random;
 use super::newton::turned;
 use crate::kinds::jet::{Jet, Vector};
 use crate::kinds::sketch::{Body, Coordinate, Sketch, Stop};
 use std::f64::consts::PI;
 
-/// A place on the ground to which stops measure a distance [m].
+/// A fixed point of the ground from which stops measure a distance [m].
 const POST: [f64; 2] = [0.2, 0.7];
 
 /// A machine with a force or a torque that moves it.
@@ -17,11 +17,11 @@ pub struct Machine {
     pub load: f64,
 }
 
-/// What a stop may limit, and the size of its motion.
+/// A quantity that a stop may limit, and the size of its motion.
 type Limited = (Coordinate, f64);
 
 impl Machine {
-    /// A random machine with random stops, none of which it is beyond.
+    /// A random machine with random stops, whose start is beyond none of them.
     pub fn random(random: &mut Random) -> Self {
         let mut machine = match random.below(3) {
             0 => block(random),
@@ -63,13 +63,13 @@ impl Machine {
         Self { sketch, load: 1.0 }
     }
 
-    /// A speed at the start of this size, and a load.
+    /// Set a speed at the start of this size, and a load.
     fn driven(&mut self, random: &mut Random, speed: f64, load: f64) {
         self.sketch.start[1] = if random.chance(0.3) { 0.0 } else { random.within(-speed, speed) };
         self.load = load;
     }
 
-    /// Up to six stops; a lock at one of the first `monotone` quantities.
+    /// Add up to six stops; a lock at one of the first `monotone` quantities.
     fn add_stops(&mut self, random: &mut Random, quantities: &[Limited], monotone: usize, stiffness: f64) {
         let sketch = &mut self.sketch;
         let places = (sketch.places)(Jet::default()).unwrap_or_default();
@@ -93,7 +93,7 @@ impl Machine {
     }
 }
 
-/// A sketch whose points stand here at the start.
+/// A sketch with its points at these positions at the start.
 fn standing(points: &[[f64; 2]]) -> Sketch {
     let places: Vec<Vector> = points.iter().map(|point| Vector::fixed(*point)).collect();
     Sketch::new("Scene", 0.0, move |_| Ok(places.clone()))
@@ -103,7 +103,7 @@ fn length([x, y]: [f64; 2], [to_x, to_y]: [f64; 2]) -> f64 {
     (to_x - x).hypot(to_y - y)
 }
 
-/// A mass whose moment of inertia does not count.
+/// A mass with a negligible moment of inertia.
 fn point_mass(body: &mut Body, mass: f64) {
     (body.mass, body.inertia) = (mass, 1.0);
 }
@@ -130,7 +130,7 @@ fn slider_crank(random: &mut Random) -> Machine {
     let offset = (rod - crank) * random.within(-0.5, 0.5);
     let (angle, axis) = (random.within(-PI, PI), random.within(-PI, PI));
     let end = turned([crank, 0.0], angle);
-    // In the frame of the slide's line.
+    // In the frame of the slide's axis.
     let [x, y] = turned(end, -axis);
     let lift: f64 = y - offset;
     let wrist = turned([x + (rod * rod - lift * lift).sqrt(), offset], axis);
@@ -151,7 +151,7 @@ fn slider_crank(random: &mut Random) -> Machine {
     let quantities =
         [(Coordinate::Angle(0), 5.0), (Coordinate::Position(0), crank), (Coordinate::Distance(POST, 2), crank)];
     if random.chance(0.3) {
-        // Drives its slider: at the dead centres its force has no effect.
+        // The drive acts on the slider: at the dead centres its force has no effect.
         machine.sketch.loads.drive = Some((Coordinate::Position(0), 1.0));
         machine.load /= crank;
         machine.add_stops(random, &quantities[..2], 1, stiffness);

@@ -1,10 +1,10 @@
-//! Random scenes against an independent integration: a block on a slope, a slider-crank, a four-bar linkage, with
+//! Random scenes compared with an independent integration: a block on a slope, a slider-crank, a four-bar linkage, with
 //! friction, bumpers and several stops on a side, a lock, a drive with losses.
 //!
-//! A scene is integrated twice, the second time with its start moved by the tolerance: how far the two are apart is
-//! what the scene makes of an error of that size. Where the engine is off by more than 10 times that, states on the way
-//! are moved too. The engine may be off by 100 times the tolerance or the largest of these distances. From where the
-//! distance is above 1e-3 a scene says nothing, and ends.
+//! A scene is integrated twice, the second time from a start displaced by the tolerance; the distance of the two
+//! results is the effect of an error of that size. Where the engine's error is more than 10 times this distance, states
+//! during the motion are displaced too. The allowed error of the engine is 100 times the tolerance or the largest of
+//! these distances. A scene ends where the distance exceeds 1e-3, as it has no significance from there on.
 mod machine;
 mod newton;
 mod oracle;
@@ -17,38 +17,38 @@ use linkage_fmu::simulation::{Simulation, SimulationError};
 use machine::Machine;
 use oracle::{Held, Oracle};
 
-/// Largest ratio of an error to the tolerance or to what the scene makes of it.
+/// Largest allowed ratio of an error to the tolerance or to the effect of an error of that size.
 const MOST: f64 = 100.0;
-/// Distance of the two integrations from which on nothing can be said.
+/// Distance of the two integrations above which a scene has no significance.
 const LOST: f64 = 1e-3;
-/// Error of the integration itself.
+/// Error of the reference integration itself.
 const OWN: f64 = 3e-10;
-/// Error over what a moved start leads to, above which states on the way are moved too.
+/// Ratio of the error to the effect of a displaced start above which states during the motion are displaced too.
 const SUSPECT: f64 = 10.0;
-/// Parts of a phase at the beginning of which states are moved.
+/// Number of parts of a phase at whose beginnings states are displaced.
 const PARTS: usize = 4;
 
-/// A part of a phase, and the integration at its beginning.
+/// A part of a phase, and the reference integration at its beginning.
 struct Part<'a> {
     from: Oracle<'a>,
-    /// The lock that is engaged at its beginning, if that changes then.
+    /// The lock engaged at its beginning; None if the lock does not change then.
     lock: Option<Option<usize>>,
     load: f64,
     span: f64,
 }
 
-/// Distance of two integrations at one time: of the coordinate and its speed over the fastest.
+/// Distance of two integrations at one time: of the coordinate, and of its speed relative to the largest speed.
 fn between(one: &Oracle<'_>, other: &Oracle<'_>) -> f64 {
     let ([y, v], [z, w]) = (one.coordinate(), other.coordinate());
     (y - z).abs().max((v - w).abs() / one.fastest.max(0.1))
 }
 
-/// The farthest that a state moved by the tolerance at the beginning of one of the parts leads from the end of the
-/// last.
-fn moved_on_the_way(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64 {
+/// Largest distance from the end of the last part if the state is displaced by the tolerance at the beginning of one of
+/// the parts.
+fn largest_effect(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64 {
     let mut farthest = 0.0_f64;
     for (k, part) in parts.iter().enumerate() {
-        let Some(mut moved) = part.from.nudged(tolerance) else { continue };
+        let Some(mut moved) = part.from.perturbed(tolerance) else { continue };
         let advanced = parts[k..].iter().all(|part| {
             if let Some(lock) = part.lock {
                 moved.engage(lock);
@@ -62,7 +62,7 @@ fn moved_on_the_way(parts: &[Part<'_>], end: &Oracle<'_>, tolerance: f64) -> f64
     farthest
 }
 
-/// A part's case: one scene.
+/// The case of this part: one scene.
 pub fn attack(probe: &mut Probe) -> Result<(), String> {
     let mut random = probe.random.clone();
     let machine = Machine::random(&mut random);
@@ -92,7 +92,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         probe.count("scenes refused");
         return Ok(());
     };
-    let Some(mut other) = other.nudged(tolerance) else { return Ok(()) };
+    let Some(mut other) = other.perturbed(tolerance) else { return Ok(()) };
     let mut parts = Vec::new();
     let [position, speed, input] = &machine.names();
     let (mut engaged, mut met, mut judged) = (false, 0, 0);
@@ -141,7 +141,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
         let off = (x - y).abs().max((u - v).abs() / scale);
         let over = |doubt: f64| off / (tolerance.max(doubt) + OWN);
         if over(doubt) > SUSPECT {
-            doubt = doubt.max(moved_on_the_way(&parts, &one, tolerance));
+            doubt = doubt.max(largest_effect(&parts, &one, tolerance));
         }
         let ratio = over(doubt);
         if probe.verbose {
@@ -179,7 +179,7 @@ pub fn attack(probe: &mut Probe) -> Result<(), String> {
     Ok(())
 }
 
-/// A step that ended with an error: one that a scene may meet, or a fault.
+/// Check the error of a step: one that a scene may cause is counted, any other is a fault.
 fn ended(probe: &mut Probe, error: &SimulationError, integrated: bool) -> Result<(), String> {
     match error {
         SimulationError::Model(ModelError::Interrupted { .. }) => probe.count("scenes that met solver.max_steps"),

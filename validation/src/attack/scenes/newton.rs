@@ -1,29 +1,30 @@
-//! Newton and Euler's equations of all bodies in absolute coordinates, with the joints as constraints and multipliers.
+//! The Newton-Euler equations of all bodies in absolute coordinates, with joints as constraints and multipliers.
 //!
-//! In: a sketch, the places and speeds of the centres of mass and the angles of its bodies, forces. Out: accelerations,
-//! quantities with their gradients, how a state is brought back to the constraints. It must not know the engine.
+//! In: a sketch, positions and speeds of the centres of mass, angles of the bodies, forces. Out: accelerations,
+//! quantities with their gradients, projection of a state onto the constraints. Must not depend on the engine.
 //!
 //! M a = Q + J^T lambda, J a = gamma. As M is diagonal here, (J M^-1 J^T) lambda = gamma - J M^-1 Q is solved by
-//! Gauss with pivots. Friction makes Q depend on lambda: found by repetition, as each round changes less than the last.
+//! Gaussian elimination with pivoting. With friction Q depends on lambda: a fixed-point iteration, which converges as
+//! each round changes less than the last.
 use crate::kinds::jet::Jet;
 use crate::kinds::sketch::{Coordinate, Sketch};
 use crate::linear::Factors;
 
-/// Coordinates of three bodies: x, y and angle of each; those of bodies that are not there stay 0.
+/// Coordinates of three bodies: x, y and angle of each; 0 for unused bodies.
 pub type Coordinates = [f64; 9];
 /// Multipliers of four joints, two each.
 type Multipliers = [f64; 8];
-/// A vector of the plane.
+/// A vector in the plane.
 type Vector = [f64; 2];
 
-/// Rounds after which friction counts as having no solution that this method finds.
+/// Number of fixed-point iterations after which the friction forces count as unsolvable by this method.
 const ROUNDS: usize = 400;
 
 fn dot(a: &Coordinates, b: &Coordinates) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// A vector turned by an angle.
+/// A vector rotated by an angle.
 pub fn turned([x, y]: Vector, angle: f64) -> Vector {
     let (sin, cos) = angle.sin_cos();
     [cos * x - sin * y, sin * x + cos * y]
@@ -36,8 +37,8 @@ struct Point {
     at: Vector,
 }
 
-/// A joint: a pin with a radius [m], or a slide of a body that does not turn on a line of the ground in a direction
-/// [rad].
+/// A joint: a pin with a radius [m], or a slide on which a body that does not rotate moves along a line of the ground
+/// in a direction [rad].
 #[derive(Clone, Debug)]
 pub struct Link {
     ends: [Point; 2],
@@ -45,7 +46,7 @@ pub struct Link {
     axis: Option<f64>,
 }
 
-/// A point: place, velocity, its arm from the centre of mass, and the body's angular speed.
+/// A point: position, velocity, its arm from the centre of mass, and the body's angular speed.
 struct Moving {
     place: Vector,
     velocity: Vector,
@@ -53,7 +54,7 @@ struct Moving {
     spin: f64,
 }
 
-/// One constraint at a state: gradient, right-hand side of J a, residual.
+/// One constraint in a state: gradient, right-hand side of J a, residual.
 #[derive(Clone, Copy, Default)]
 struct Row {
     gradient: Coordinates,
@@ -61,14 +62,14 @@ struct Row {
     residual: f64,
 }
 
-/// All constraints at a state.
+/// All constraints in a state.
 struct Constraints {
     rows: [Row; 8],
     count: usize,
 }
 
 impl Constraints {
-    /// J W J^T in factors, with the weights W.
+    /// Factors of J W J^T with the weights W.
     fn factors(&self, weights: &Coordinates) -> Factors<8> {
         let mut matrix = [[0.0; 8]; 8];
         for (out, a) in matrix.iter_mut().zip(&self.rows) {
@@ -95,7 +96,7 @@ impl Constraints {
     }
 }
 
-/// A sketch's equations.
+/// Equations of motion of a sketch.
 #[derive(Clone)]
 pub struct Newton<'a> {
     pub sketch: &'a Sketch,
@@ -104,14 +105,14 @@ pub struct Newton<'a> {
     pub start: Coordinates,
     /// Reciprocal masses and moments of inertia.
     mobility: Coordinates,
-    /// The multipliers of the evaluation before: where friction's rounds begin.
+    /// The multipliers of the last evaluation, from which the friction iteration starts.
     last: Multipliers,
-    /// Whether friction had no solution once.
+    /// Whether a friction iteration has failed.
     pub failed: bool,
 }
 
 impl<'a> Newton<'a> {
-    /// Of at most three bodies and four joints, whose slides are on the ground.
+    /// For a sketch of at most three bodies and four joints, whose slides are on the ground; None for others.
     pub fn new(sketch: &'a Sketch) -> Option<Self> {
         let places = (sketch.places)(Jet::variable(sketch.start[0])).ok()?;
         let (mut mobility, mut start) = ([0.0; 9], [0.0; 9]);
@@ -145,7 +146,7 @@ impl<'a> Newton<'a> {
         }
     }
 
-    /// The gradient of a point's place in a direction.
+    /// Add the gradient of a point's position in a direction.
     fn along(point: Point, arm: Vector, [x, y]: Vector, sign: f64, row: &mut Coordinates) {
         if let Some(body) = point.body {
             row[3 * body] += sign * x;
@@ -160,7 +161,7 @@ impl<'a> Newton<'a> {
             let [first, second] = link.ends;
             let [a, b] = link.ends.map(|point| self.moving(q, v, point));
             let apart = [b.place[0] - a.place[0], b.place[1] - a.place[1]];
-            // The part of the relative acceleration that does not come from accelerations, with its sign turned.
+            // The part of the relative acceleration independent of the accelerations, with opposite sign.
             let inward = [0, 1].map(|n: usize| b.spin * b.spin * b.arm[n] - a.spin * a.spin * a.arm[n]);
             let row = |[x, y]: Vector| {
                 let mut row = Row {
@@ -223,7 +224,7 @@ impl<'a> Newton<'a> {
         dot(&self.quantity(quantity, q).1, v)
     }
 
-    /// Slip speed of a joint with its sign [m/s]; None without friction.
+    /// Slip speed of a joint with sign [m/s]; None without friction.
     pub fn slip(&self, link: &Link, q: &Coordinates, v: &Coordinates) -> Option<f64> {
         self.sketch.loads.friction?;
         let [first, second] = link.ends;
@@ -255,7 +256,7 @@ impl<'a> Newton<'a> {
         mu.copysign(slip)
     }
 
-    /// The forces with friction added that follows from the multipliers, of joints with these coefficients.
+    /// The forces plus the friction forces that follow from the multipliers, for joints with these coefficients.
     fn rubbed(&self, push: &Coordinates, joints: &[(usize, f64)], lambda: &Multipliers) -> Coordinates {
         let mut rubbed = *push;
         for &(j, mu) in joints {
@@ -278,7 +279,7 @@ impl<'a> Newton<'a> {
         rubbed
     }
 
-    /// Accelerations under generalised forces, gravity and friction.
+    /// Accelerations with generalised forces, gravity and friction.
     pub fn acceleration(&mut self, q: &Coordinates, v: &Coordinates, forces: &Coordinates) -> Coordinates {
         let constraints = self.constraints(q, v);
         let mut push = *forces;
@@ -314,8 +315,8 @@ impl<'a> Newton<'a> {
         std::array::from_fn(|c| self.mobility[c] * (rubbed[c] + held[c]))
     }
 
-    /// The motion of a unit rate of a quantity that the joints let free: by the difference that a generalised force
-    /// makes to the accelerations. None where it stands still.
+    /// The admissible velocity with unit rate of a quantity, from the change of the accelerations by a generalised
+    /// force. None at a dead centre of the quantity.
     pub fn free_motion(&self, quantity: Coordinate, q: &Coordinates) -> Option<Coordinates> {
         let constraints = self.constraints(q, &[0.0; 9]);
         let row = self.quantity(quantity, q).1;
@@ -326,7 +327,7 @@ impl<'a> Newton<'a> {
         (rate > 1e-12).then(|| motion.map(|x| x / rate))
     }
 
-    /// Bring places and speeds back to the constraints, by the least change.
+    /// Project positions and speeds onto the constraints, by the least change.
     pub fn project(&self, q: &mut Coordinates, v: &mut Coordinates) {
         let ones = [1.0; 9];
         for round in 0..3 {

@@ -1,18 +1,18 @@
-//! The independent integration: Dormand and Prince's method on absolute coordinates, events by halving a step.
+//! The independent integration: the Dormand-Prince method on absolute coordinates, events by bisection of a step.
 //!
-//! In: a machine, loads, spans. Out: places and speeds. It knows quantities and their stops only, no places on a curve,
-//! and nothing of the engine.
+//! In: a machine, loads, time spans. Out: positions and speeds. It uses quantities and their stops only, no positions
+//! along a curve, and must not depend on the engine.
 use super::newton::{Coordinates, Newton};
 use crate::kinds::sketch::{Coordinate, Sketch, Stop};
 
-/// Depth at which a stop counts as met [m or rad]: rounding of the constraints is less.
+/// Depth beyond a stop at which it counts as reached [m or rad], greater than the rounding error of the constraints.
 const DEPTH: f64 = 1e-11;
 /// Speed of an impact below which the machine rests [m/s or rad/s].
 const SLOW: f64 = 1e-6;
-/// Events after which a span is given up.
+/// Number of events after which a span counts as failed.
 const EVENTS: usize = 3000;
 
-/// Dormand and Prince (1980): stages, and the difference of their two solutions.
+/// Dormand and Prince (1980): stages, and the difference of the two solutions.
 const STAGES: [&[f64]; 6] = [
     &[1.0 / 5.0],
     &[3.0 / 40.0, 9.0 / 40.0],
@@ -24,7 +24,7 @@ const STAGES: [&[f64]; 6] = [
 const ERROR: [f64; 7] =
     [71.0 / 57600.0, 0.0, -71.0 / 16695.0, 71.0 / 1920.0, -17253.0 / 339200.0, 22.0 / 525.0, -1.0 / 40.0];
 
-/// What holds the machine at rest.
+/// The element that holds the machine at rest.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Held {
     Stop(usize),
@@ -33,18 +33,18 @@ pub enum Held {
     Drive,
 }
 
-/// What is met within a step.
+/// Events within a step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Event {
     Lock,
     Stop(usize),
     /// The drive's power changes its sign.
     Drive,
-    /// The law of friction changes its branch in a joint: nothing is done but a step that ends there.
+    /// The law of friction changes its branch in a joint: the step ends there, without further action.
     Friction,
 }
 
-/// Places and speeds.
+/// Positions and speeds.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
     pub q: Coordinates,
@@ -55,17 +55,17 @@ pub struct State {
 #[derive(Clone)]
 pub struct Oracle<'a> {
     newton: Newton<'a>,
-    /// What the drive works on, and its efficiency.
+    /// Coordinate that the drive acts on, and its efficiency.
     drive: (Coordinate, f64),
     pub state: State,
     touching: Vec<bool>,
     pub held: Option<Held>,
-    /// Stop whose lock is engaged, and whether the machine was beyond it when that happened.
+    /// Stop whose lock is engaged, and whether the machine was beyond the stop at engagement.
     lock: Option<(usize, bool)>,
-    /// Whether the drive's power flows into the mechanism.
+    /// Whether the drive's power is transferred into the mechanism.
     forward: bool,
     load: f64,
-    /// Largest size of a step [s], its error, and the next one.
+    /// Largest step [s], allowed error of a step, and the next step [s].
     most: f64,
     error: f64,
     next: f64,
@@ -78,7 +78,7 @@ fn axpy(sum: &mut Coordinates, factor: f64, x: &Coordinates) {
 }
 
 impl<'a> Oracle<'a> {
-    /// At the start.
+    /// The machine at its start.
     pub fn new(sketch: &'a Sketch, most: f64, error: f64) -> Option<Self> {
         let newton = Newton::new(sketch)?;
         let mut state = State { q: newton.start, v: [0.0; 9] };
@@ -90,10 +90,10 @@ impl<'a> Oracle<'a> {
         Some(Self { newton, drive, state, touching, held, lock, forward, load, most, error, next, fastest })
     }
 
-    /// This state with the coordinate moved by `nudge` and its speed by that part. None of a machine that is held, or
-    /// at a dead centre of the coordinate.
-    pub fn nudged(&self, nudge: f64) -> Option<Self> {
-        /// Largest change of another coordinate for that of the machine's.
+    /// This state with the coordinate changed by `perturbation` and its speed by that fraction. None if the machine is
+    /// held or at a dead centre of the coordinate.
+    pub fn perturbed(&self, perturbation: f64) -> Option<Self> {
+        /// Largest allowed ratio of the change of another coordinate to that of the machine's coordinate.
         const LEVER: f64 = 1e3;
         let mut moved = self.clone();
         let coordinate = self.sketch().coordinate;
@@ -102,14 +102,14 @@ impl<'a> Oracle<'a> {
             return None;
         }
         let speed = self.coordinate()[1];
-        axpy(&mut moved.state.q, nudge, &motion);
+        axpy(&mut moved.state.q, perturbation, &motion);
         moved.newton.project(&mut moved.state.q, &mut moved.state.v);
         let motion = moved.newton.free_motion(coordinate, &moved.state.q)?;
-        moved.state.v = motion.map(|part| part * speed * (1.0 + nudge));
+        moved.state.v = motion.map(|part| part * speed * (1.0 + perturbation));
         Some(moved)
     }
 
-    /// Whether the equations or the events had no solution on the way.
+    /// Whether the equations or the events had no solution during the motion.
     pub fn failed(&self) -> bool {
         self.newton.failed
     }
@@ -123,7 +123,7 @@ impl<'a> Oracle<'a> {
         self.value(self.sketch().coordinate, &self.state)
     }
 
-    /// Largest speed of a body: at a dead centre of the coordinate it is not 0.
+    /// Largest speed of a body, which is not 0 at a dead centre of the coordinate.
     fn speed(&self) -> f64 {
         self.state.v.iter().fold(0.0, |speed, v| speed.max(v.abs()))
     }
@@ -139,14 +139,14 @@ impl<'a> Oracle<'a> {
         [sign * (s - value), sign * rate]
     }
 
-    /// Depth, rate and push of a bumper.
+    /// Depth, rate and force of a bumper.
     fn push(&self, k: usize, state: &State) -> [f64; 3] {
         let [beyond, rate] = self.beyond(k, state);
         let stop = &self.sketch().stops[k];
         [beyond, rate, stop.stiffness * beyond + stop.damping * rate]
     }
 
-    /// Force of the drive on the mechanism.
+    /// Force of the drive on the mechanism, with its losses.
     fn driven(&self, forward: bool) -> f64 {
         let efficiency = self.drive.1;
         if forward { self.load * efficiency } else { self.load / efficiency }
@@ -165,7 +165,7 @@ impl<'a> Oracle<'a> {
         self.newton.acceleration(q, v, &forces)
     }
 
-    /// A step and its error.
+    /// One step and its error estimate.
     fn step(&mut self, h: f64) -> (State, f64) {
         let (start, forward) = (self.state, self.forward);
         let mut slopes = [(start.v, self.acceleration(&start, forward)); 7];
@@ -202,12 +202,12 @@ impl<'a> Oracle<'a> {
         out
     }
 
-    /// Power of the drive over its force's size.
+    /// Power of the drive divided by the magnitude of its force.
     fn power(&self, state: &State) -> f64 {
         self.load.signum() * self.value(self.drive.0, state)[1]
     }
 
-    /// What changes before this state.
+    /// The first event before this state.
     fn event(&self, branches: [i8; 4], end: &State) -> Option<Event> {
         if let Some((k, was_beyond)) = self.lock {
             let beyond = self.beyond(k, end)[0];
@@ -237,7 +237,7 @@ impl<'a> Oracle<'a> {
         (self.branches(end) != branches).then_some(Event::Friction)
     }
 
-    /// The bumpers push as they do in this state.
+    /// Update which bumpers are in contact in this state.
     fn press(&mut self) {
         for k in 0..self.touching.len() {
             let [beyond, _, push] = self.push(k, &self.state);
@@ -245,8 +245,8 @@ impl<'a> Oracle<'a> {
         }
     }
 
-    /// Whether the loads move the machine, at rest, so that a quantity changes with this sign; the drive's power then
-    /// has the direction that it has in that motion.
+    /// Whether, from rest, the loads accelerate the machine such that a quantity changes with this sign; if so, sets
+    /// the drive's direction of power to that of this motion.
     fn sets_off(&mut self, quantity: Coordinate, sign: f64) -> bool {
         let state = State { v: [0.0; 9], ..self.state };
         let Some(motion) = self.newton.free_motion(quantity, &state.q) else { return false };
@@ -260,13 +260,13 @@ impl<'a> Oracle<'a> {
         off
     }
 
-    /// Whether the machine, at rest, stays so against a stop.
+    /// Whether the machine stays at rest against a stop.
     fn is_pressed(&mut self, k: usize) -> bool {
         let Stop { on, sign, .. } = self.sketch().stops[k];
         !self.sets_off(on, -sign)
     }
 
-    /// The lock of a stop is engaged, or none is.
+    /// Engage the lock of a stop, or release the lock.
     pub fn engage(&mut self, lock: Option<usize>) {
         if self.held == Some(Held::Lock) {
             if lock.is_some() {
@@ -283,7 +283,7 @@ impl<'a> Oracle<'a> {
         self.lock = lock.map(|stop| (stop, self.beyond(stop, &self.state)[0] > 0.0));
     }
 
-    /// Integrate over a span under a load; whether that was possible.
+    /// Integrate over a time span with a load; returns false on failure.
     pub fn advance(&mut self, load: f64, span: f64) -> bool {
         self.load = load;
         let (coordinate, efficient) = (self.sketch().coordinate, self.drive.1 >= 1.0);
@@ -356,7 +356,8 @@ impl<'a> Oracle<'a> {
                 self.press();
             }
             Event::Drive => {
-                // At a dead centre of the drive it goes on; else it is at rest for an instant, or for longer.
+                // At a dead centre of the drive the motion continues; otherwise the machine is at rest, for an instant
+                // or longer.
                 self.forward = !self.forward;
                 if self.speed() < 1e-6 {
                     (self.state.v, self.held) = ([0.0; 9], Some(Held::Drive));

@@ -1,4 +1,4 @@
-//! A hydraulic actuator, or a gear with a circuit, under stress: the engine's run and the same circuit in plain
+//! A hydraulic actuator or a gear with a circuit in the stress suite: the engine's run and the same circuit in plain
 //! numbers.
 //!
 //! In: parameters by name, a motion or an element, valve commands by step. Out: the state at the end of both, and the
@@ -10,17 +10,17 @@ use linkage_fmu::integrator::{Method, Statistics};
 
 const ACTUATOR: &str = include_str!("../../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
 
-/// What moves the piston.
+/// Motion of the piston.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Drive {
     /// A length s + v t + a t^2 / 2 [m].
     Motion([f64; 3]),
-    /// One element from the length s and the speed v on: mass, its derivative, load, its derivative.
+    /// One element that starts with the length s and the speed v: mass, its derivative, load, its derivative.
     Element([f64; 2], [f64; 4]),
 }
 
 impl Drive {
-    /// As `scenes/hydraulics.json` has it.
+    /// Name in `scenes/hydraulics.json`.
     pub fn word(&self) -> &'static str {
         if let Self::Motion(_) = self { "motion" } else { "element" }
     }
@@ -33,20 +33,20 @@ pub struct Case {
     pub set: Vec<(&'static str, f64)>,
     /// Pressures at the start [Pa].
     pub start: [f64; 2],
-    /// What moves the piston.
+    /// Motion of the piston.
     pub drive: Drive,
     /// Span [s] and communication steps.
     pub span: f64,
     /// Number of communication steps.
     pub steps: usize,
-    /// Commands of the valve, one after the other by turns, each for a communication step.
+    /// Commands of the valve in turn, each for a communication step.
     pub commands: Vec<f64>,
 }
 
 /// Pressures, spool and its speed, length, speed, work of the piston.
 pub type End = [f64; 7];
 
-/// What the engine's run gave.
+/// Result of the engine's run.
 #[derive(Clone, Debug)]
 pub struct Run {
     /// The state at the end.
@@ -55,7 +55,7 @@ pub struct Run {
     pub work: Statistics,
     /// Accepted steps of the implicit method.
     pub implicit: u64,
-    /// Time of the thread [s].
+    /// CPU time of the thread [s].
     pub cpu: f64,
 }
 
@@ -137,8 +137,8 @@ impl Case {
         Ok(Run { end, implicit: work.accepted_by(Method::Radau), work, cpu })
     }
 
-    /// Error weights of the state at the end, as the engine's tolerance refers to them: pressures absolute, spool with
-    /// a floor, the stroke, the speed with a floor.
+    /// Error weights of the state at the end, to which the engine's tolerance refers: absolute pressures, spool with a
+    /// lower limit, stroke, speed with a lower limit.
     pub fn weights(&self, circuit: &Circuit, y: &End) -> End {
         let ambient = circuit.ambient_pressure;
         let pressure = |p: f64| (p + ambient).max(ambient);
@@ -147,7 +147,7 @@ impl Case {
         [pressure(y[0]), pressure(y[1]), spool, omega * spool, circuit.stroke, y[5].abs().max(0.01), f64::INFINITY]
     }
 
-    /// The start in plain numbers.
+    /// The state at the start in plain numbers.
     pub fn at_start(&self) -> End {
         let [s, v] = match self.drive {
             Drive::Motion([s, v, _]) => [s, v],
@@ -156,8 +156,8 @@ impl Case {
         [self.start[0], self.start[1], 0.0, 0.0, s, v, 0.0]
     }
 
-    /// The circuit in plain numbers from the state `y` before step `from` to the end, each step to a tolerance. `look`
-    /// sees the state before each step.
+    /// The circuit in plain numbers from the state `y` before step `from` to the end, each step with a tolerance.
+    /// `look` gets the state before each step.
     pub fn exact(
         &self,
         mut y: End,
@@ -171,7 +171,7 @@ impl Case {
         while k < self.steps {
             look(k, &y);
             circuit.command = self.command(k);
-            // One integration as long as the command stays.
+            // One integration while the command is constant.
             let count = if self.commands.len() == 1 { (self.steps / 16).max(1).min(self.steps - k) } else { 1 };
             let mut f = |t: f64, y: &End| {
                 let [s, v] = match self.drive {

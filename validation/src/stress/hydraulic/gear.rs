@@ -1,6 +1,6 @@
-//! The landing gear with a circuit: its own motion drives the circuit in plain numbers, whose pressures must be those
-//! of the engine; and the energy that the mechanism gains must be the work of the force, by a quadrature of its own. A
-//! mechanism of one degree of freedom that gains it at every instant moves by its equation of motion.
+//! The landing gear with a circuit: its motion drives the circuit in plain numbers, whose pressures must equal those of
+//! the engine; and the mechanism's gain of energy must equal the work of the force, by a separate quadrature. A
+//! mechanism of one degree of freedom for which this holds at every time fulfils its equation of motion.
 use super::EACH;
 use super::case::{Case, Drive};
 use crate::cosim::circuit::State;
@@ -12,14 +12,14 @@ use linkage_fmu::mechanism::Model;
 const GEAR: &str = example!("LandingGearRetractionHydraulic");
 /// Tolerance of the second integration.
 const TIGHT: f64 = 1e-10;
-/// Force times this length [m] is energy at play: the travel of the actuator.
+/// The travel of the actuator [m]; force times travel is the reference energy.
 const TRAVEL: f64 = 0.33;
 
 /// One row.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub what: String,
-    /// Parameters of the circuit, the span, communication steps (a multiple of 4), commands.
+    /// Parameters of the circuit, span, number of communication steps (a multiple of 4), commands.
     pub case: Case,
     pub tolerance: f64,
 }
@@ -32,7 +32,7 @@ impl From<Scene> for Row {
     }
 }
 
-/// What is read at each communication point.
+/// Outputs read at each communication point.
 const READ: [&str; 9] = [
     "actuator.length",
     "actuator.speed",
@@ -46,7 +46,7 @@ const READ: [&str; 9] = [
 ];
 type Point = [f64; READ.len()];
 
-/// The motion between two points: the polynomial of degree 5 with length, speed and acceleration of both ends, and its
+/// The motion between two points: the polynomial of degree 5 with length, speed and acceleration at both ends, and its
 /// rate, t [s] after the first.
 fn between(from: &Point, to: &Point, h: f64, t: f64) -> [f64; 2] {
     let (a, b, c) = (from[0], from[1] * h, 0.5 * from[2] * h * h);
@@ -69,7 +69,7 @@ impl Scene {
             let spool = 0.1 + y[2].abs();
             [pressure(y[0]), pressure(y[1]), spool, std::f64::consts::TAU * circuit.frequency * spool]
         };
-        // The pressures under the gear's motion between every point, or every second.
+        // The pressures with the gear's motion between all points, or between every second point.
         let driven = |every: usize, mut y: State, first: usize| -> Result<Vec<State>, String> {
             let mut all = vec![y];
             for k in (first..case.steps).step_by(every) {
@@ -125,7 +125,7 @@ impl Scene {
         Ok(Outcome { error, drift, work, cpu, why, verdict })
     }
 
-    /// The engine's run: what is read at each communication point.
+    /// The engine's run: outputs at each communication point.
     fn run(&self) -> Result<(Vec<Point>, Model, f64), String> {
         let words = |e: linkage_fmu::mechanism::ModelError| e.to_string();
         let case = &self.case;
@@ -166,8 +166,8 @@ impl Scene {
         Ok((trace, model, began.elapsed().as_secs_f64()))
     }
 
-    /// Largest difference of the energy gained from the work of the force, the quadrature's own error, and the energy
-    /// at play [J]: Boole's rule, and Simpson's beside it.
+    /// Largest difference between the gain of energy and the work of the force, the error of the quadrature, and the
+    /// reference energy [J]; by Boole's rule, with Simpson's rule for its error.
     fn energy(&self, trace: &[Point], h: f64) -> (f64, f64, f64) {
         let power: Vec<f64> = trace.iter().map(|point| point[6] * point[1]).collect();
         let (mut boole, mut simpson, mut drift, mut own) = (0.0, 0.0, 0.0_f64, 0.0_f64);

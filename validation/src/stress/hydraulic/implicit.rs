@@ -1,16 +1,16 @@
-//! A stiff integrator that shares nothing with the engine's: extrapolation of the linearly implicit Euler rule
-//! (Deuflhard 1985; Hairer, Wanner, Solving Ordinary Differential Equations II, IV.9).
+//! A stiff integrator, independent of the engine: extrapolation of the linearly implicit Euler rule (Deuflhard 1985;
+//! Hairer, Wanner, Solving Ordinary Differential Equations II, IV.9).
 //!
-//! In: y' = f(t, y), a span, a tolerance. Out: y at its end. It must not know what y means.
+//! In: y' = f(t, y), a span, a tolerance. Out: y at its end. Must not depend on the meaning of y.
 
 use crate::linear::Factors;
 
-/// Columns of the extrapolation, by 1, 2, 3 and so on substeps: the order.
+/// Number of columns of the extrapolation, with 1, 2, 3 and more substeps; equals the order.
 const COLUMNS: usize = 7;
-/// Most steps of one call.
+/// Greatest number of steps of one call.
 const MOST: usize = 2_000_000;
 
-/// y at `t + span`, each step to `tolerance` of `scale(y)`. Components from `driving` on do not occur in f.
+/// y at `t + span`, each step to `tolerance` relative to `scale(y)`. Components from `driving` on do not occur in f.
 pub fn integrate<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
     scale: &impl Fn(&[f64; N]) -> [f64; N],
@@ -59,7 +59,7 @@ fn jacobian<const N: usize>(
     columns
 }
 
-/// Where a step begins.
+/// The state at the start of a step.
 struct Start<'a, const N: usize> {
     t: f64,
     y: &'a [f64; N],
@@ -67,7 +67,7 @@ struct Start<'a, const N: usize> {
     driving: usize,
 }
 
-/// The last two values on the diagonal of the extrapolation.
+/// One step: the last two values on the diagonal of the extrapolation.
 fn step<const N: usize>(
     f: &mut impl FnMut(f64, &[f64; N]) -> [f64; N],
     start: &Start<'_, N>,
@@ -108,7 +108,7 @@ fn euler<const N: usize>(
         let slope = f(t + d * k as f64, &y);
         let change = factors.solve(&slope.map(|slope| d * slope));
         let mut rest = change;
-        // Components that do not drive follow from those that do.
+        // The other components follow from the driving ones.
         for i in driving..N {
             rest[i] = d * slope[i] + (0..driving).map(|j| d * jacobian[i][j] * change[j]).sum::<f64>();
         }
@@ -123,7 +123,7 @@ mod tests {
 
     /// y' = -1e6 (y - cos t) - sin t has y = cos t; z' = y is a quadrature.
     #[test]
-    fn a_stiff_equation_is_met() {
+    fn a_stiff_equation_has_its_exact_solution() {
         let mut f = |t: f64, y: &[f64; 2]| [-1e6 * (y[0] - t.cos()) - t.sin(), y[0]];
         let y = integrate(&mut f, &|_| [1.0; 2], 1, 0.0, [1.0, 0.0], 2.0, 1e-11).unwrap();
         assert!((y[0] - 2f64.cos()).abs() < 1e-10 && (y[1] - 2f64.sin()).abs() < 1e-9, "{y:?}");
@@ -131,7 +131,7 @@ mod tests {
 
     /// A damped oscillator that is not stiff, in closed form.
     #[test]
-    fn an_oscillator_is_met() {
+    fn an_oscillator_has_its_exact_solution() {
         let mut f = |_: f64, y: &[f64; 2]| [y[1], -101.0 * y[0] - 2.0 * y[1]];
         let y = integrate(&mut f, &|_| [1.0, 10.0], 2, 0.0, [1.0, -1.0], 1.0, 1e-11).unwrap();
         assert!((y[0] - (-1f64).exp() * 10f64.cos()).abs() < 1e-9, "{y:?}");

@@ -1,7 +1,7 @@
-//! Hydraulics under stress: the actuator under a given motion and with an element that it foresees, and the landing
-//! gear with a circuit, against the same circuit in plain numbers.
+//! Hydraulics in the stress suite: the actuator with a given motion and with an element whose motion it predicts, and
+//! the landing gear with a circuit, compared with the same circuit in plain numbers.
 //!
-//! In: cases. Out: rows of the suite. They must not use `energy.balance`, which is 0 to rounding at every instant.
+//! In: cases. Out: rows of the suite. Must not use `energy.balance`, which is 0 to rounding at every time.
 mod case;
 mod gear;
 mod implicit;
@@ -12,18 +12,18 @@ pub use table::all;
 use super::{Outcome, Row, Verdict};
 use case::{Case, Drive, End};
 
-/// Relative errors by which the sensitivity to an error on the way is found.
-const NUDGE: f64 = 1e-5;
-/// Places of a run from which it is found.
+/// Relative errors with which the sensitivity to errors during the run is determined.
+const ERROR: f64 = 1e-5;
+/// Number of points of a run at which the sensitivity is determined.
 const PLACES: usize = 8;
-/// Tolerances of the second integration and, for its own error, of a third.
+/// Tolerances of the second integration and of a third one, for the error of the second.
 const TIGHT: [f64; 2] = [1e-11, 1e-9];
-/// Errors of one step are kept below the tolerance in the mean square of at most 15 components.
+/// The root mean square of the errors of one step in at most 15 components is kept below the tolerance.
 const EACH: f64 = 3.88;
-/// Bound of the relative error above which the end cannot be foretold.
-const FORETOLD: f64 = 1.0;
+/// Bound of the relative error above which the end is not predictable.
+const PREDICTABLE: f64 = 1.0;
 
-/// One row: a case, its tolerance, and the words of the refusal that must come, if one must.
+/// One row: a case, its tolerance, and the parts of the expected error message, if one is expected.
 #[derive(Clone, Debug)]
 struct Scene {
     group: &'static str,
@@ -61,7 +61,7 @@ impl Scene {
         let apart = |a: &End, b: &End| {
             (0..count).map(|i| ((a[i] - b[i]) / weights[i]).abs()).fold(0.0, |worst: f64, e| worst.max(e))
         };
-        // Errors made at some of the places, each component on its own.
+        // Errors at several points, for each component separately.
         let mut kappa: f64 = 1.0;
         for (k, y) in places.iter().step_by(places.len().div_ceil(PLACES)) {
             let own = case.weights(&circuit, y);
@@ -69,8 +69,8 @@ impl Scene {
             let mut sum = 0.0;
             for i in 0..count {
                 let mut aside = *y;
-                aside[i] += NUDGE * own[i];
-                sum += apart(&case.exact(aside, *k, TIGHT[1], |_, _| {})?, &straight) / NUDGE;
+                aside[i] += ERROR * own[i];
+                sum += apart(&case.exact(aside, *k, TIGHT[1], |_, _| {})?, &straight) / ERROR;
             }
             kappa = kappa.max(sum);
         }
@@ -78,7 +78,7 @@ impl Scene {
         let within = apart(&exact, &again);
         let bound = within + kappa * steps * (EACH * self.tolerance + f64::EPSILON) + 1e-12;
         let error = apart(&found.end, &exact);
-        // The work of the piston: each error of the pressures, and of the speed, acts along the way.
+        // The work of the piston: errors of the pressures and of the speed accumulate along the motion.
         let [area_a, area_b] = circuit.areas();
         let mut largest = [0.0_f64; 3];
         for (_, y) in places.iter().chain([&(0, exact)]) {
@@ -93,11 +93,11 @@ impl Scene {
         let drift = (found.end[6] - exact[6]).abs();
         let drift_bound = case.span * power * bound + (exact[6] - again[6]).abs();
         let mut why = format!("N = {}, of these {} by Radau, kappa = {kappa:.1e}", found.work.accepted, found.implicit);
-        let foretold = bound <= FORETOLD;
-        if !foretold {
+        let predictable = bound <= PREDICTABLE;
+        if !predictable {
             why += "; beyond foretelling";
         }
-        let holds = !foretold || (error <= bound && drift <= drift_bound);
+        let holds = !predictable || (error <= bound && drift <= drift_bound);
         let finite = found.end.iter().all(|value| value.is_finite());
         let verdict = if holds && finite { Verdict::Holds } else { Verdict::Fails };
         let (error, drift) = (Some((error, bound)), Some((drift, drift_bound)));

@@ -1,9 +1,10 @@
 //! The table of hydraulic scenes, from `scenes/hydraulics.json`: names by values by steps by tolerances.
 //!
-//! A name is set to each of `values`, or to what is stated times each of `factors`; names not given are all that are
-//! stated. What a scene does not say is that of the base; `except` says what is other for some names and values: a
-//! stroke of a third of a millimetre has no such length, with such an exponent the air has no pressure after the least
-//! growth of its volume, and a strong valve or supply drives the element or the gear to the end of the cylinder.
+//! A name is set to each of `values`, or to its default times each of `factors`; without names, all parameters are
+//! varied. A scene inherits all other settings from the base. `except` states different settings for some names and
+//! values: a stroke of a third of a millimetre has no such length, with such an exponent the air has no pressure after
+//! the least growth of its volume, and a strong valve or supply drives the element or the gear to the end of the
+//! cylinder.
 use super::case::{Case, Drive};
 use super::{Scene, gear};
 use crate::stress::Row;
@@ -21,7 +22,7 @@ static FILE: LazyLock<Value> = LazyLock::new(|| {
 /// The gear in the crank angle of its start [rad].
 const GEAR: Drive = Drive::Motion([0.7, 0.0, 0.0]);
 
-/// All, group by group.
+/// All rows, group by group.
 pub fn all() -> impl Iterator<Item = Row> {
     // The motion of scene H0 from 0.5 m on, and an element like the gear's.
     let drives = [Drive::Motion([0.5, 0.1, -0.15]), Drive::Element([0.5, 0.05], [700.0, -300.0, 500.0, 2e4])];
@@ -38,7 +39,7 @@ fn elements(list: &'static Value) -> impl Iterator<Item = &'static Value> {
     list.as_array().into_iter().flatten()
 }
 
-/// Numbers of a list.
+/// The numbers in a list.
 fn numbers(list: &'static Value) -> Vec<f64> {
     elements(list).filter_map(Value::as_f64).collect()
 }
@@ -71,7 +72,7 @@ fn scenes(spec: &'static Value, base: &Case) -> Vec<Scene> {
                 let drive = other["drive"].as_str().is_none_or(|drive| drive == word);
                 drive && (names.is_empty() || names.contains(&name)) && values.contains(&value)
             };
-            // The last exception that says something of a key counts.
+            // The last exception that has a key determines its value.
             let others: Vec<&'static Value> = elements(&spec["except"]).filter(is_other).collect();
             let of = |key: &str| others.iter().rev().map(|other| &other[key]).find(|own| !own.is_null());
             let of = |key: &str| of(key).unwrap_or(&spec[key]);
@@ -97,7 +98,7 @@ fn scenes(spec: &'static Value, base: &Case) -> Vec<Scene> {
 }
 
 impl Case {
-    /// What a scene says of a run.
+    /// Read a scene's settings of a run.
     fn read(&mut self, of: &dyn Fn(&str) -> &'static Value) {
         self.set =
             of("set").as_object().into_iter().flatten().map(|(k, v)| (&**k, v.as_f64().unwrap_or(0.0))).collect();

@@ -1,5 +1,5 @@
-//! Inputs that change in every step, and huge ones; friction: a border to rest that is almost a jump, and coefficients
-//! next to self-locking.
+//! Inputs that change in every step, and very large ones; friction with an almost discontinuous transition to rest, and
+//! with coefficients near self-locking.
 use crate::stress::case::{Case, GEAR, JIB, MECHANISMS, Mechanism};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::reference::TABLE;
@@ -11,7 +11,8 @@ fn unstopped(m: &'static Mechanism) -> Case {
     if m.name == GEAR.name { Case::of(m).free() } else { Case::of(m) }
 }
 
-/// Every mechanism with an input that switches its sign in every step, or jumps at random; the gear without its stops.
+/// Every mechanism with an input whose sign alternates every step or that is random in every step; the gear without its
+/// stops.
 pub fn changing() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -22,7 +23,7 @@ pub fn changing() -> Vec<Scene> {
         ];
         for (what, force) in inputs {
             for (steps, tolerance) in [(m.steps, 1e-6), (m.steps, 1e-11), (100 * m.steps, 1e-9)] {
-                // The gear's crank says where it is between its toggles only.
+                // The gear's crank angle determines the position between the toggles only.
                 let wild = m.name == GEAR.name && force == Force::Noise(1e3);
                 let expected = if wild { Expected::Energy } else { Expected::Angle };
                 let (case, plan) = (unstopped(m), Plan::new(m.span, Cut::Equal(steps), force));
@@ -34,8 +35,8 @@ pub fn changing() -> Vec<Scene> {
     scenes
 }
 
-/// Every mechanism under 1e9 N or N.m: as long as it takes to move about as far as under the stated input, and a
-/// hundred times as long; and numbers beyond reason.
+/// Every mechanism with an input of 1e9 N or N.m, for about the time in which it moves as far as with the default
+/// input, and for a hundred times that; and absurdly large numbers.
 pub fn huge() -> Vec<Scene> {
     const GROUP: &str = "Huge inputs";
     let mut scenes = Vec::new();
@@ -78,8 +79,8 @@ pub fn slow_border() -> Vec<Scene> {
 }
 
 /// The jib in a plane without gravity, its mass m at the distance c, on a pin of radius r with constant mu. The pin
-/// bears m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1 a = -q w^2, q = k / sqrt(1
-/// - k^2), and theta = ln(1 + q w0 t) / q. With k >= 1 a body that moves has no acceleration at all: friction locks.
+/// force is m c sqrt(w^4 + a^2), so m c^2 a = -mu r m c sqrt(w^4 + a^2): with k = mu r / c < 1, a = -q w^2, q = k /
+/// sqrt(1 - k^2), and theta = ln(1 + q w0 t) / q. With k >= 1 a moving body has no acceleration at all: friction locks.
 pub fn self_locking() -> Vec<Scene> {
     const ARM: f64 = 5.0;
     const MU: f64 = 0.5;
@@ -98,8 +99,8 @@ pub fn self_locking() -> Vec<Scene> {
             let case = still.with("jib.start_angle", 0.0).with("jib.start_speed", SPEED);
             let q = k / f64::sqrt(1.0 - k * k);
             let expected = if k < 1.0 {
-                // An error e L of the angle stays; one of e V of the speed, V = w max(1, sqrt(q)), moves the end by at
-                // most e V / (q w).
+                // An error e L of the angle persists; an error e V of the speed, V = w max(1, sqrt(q)), changes the end
+                // by at most e V / (q w).
                 let gain = 1.0 + q.max(q.sqrt()).max(1.0) / q;
                 Expected::closed(
                     "jib.angle",

@@ -1,4 +1,4 @@
-//! Long runs: slow motion, toggles passed ten thousand times, ten million short steps.
+//! Long runs: slow motion, ten thousand passages of toggles, ten million short steps.
 use super::starts::toggle;
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
@@ -37,9 +37,9 @@ fn inertia(theta2: f64) -> f64 {
         + m3 * (l2 * l2 + l3 * l3 * k3 * k3 / 3.0 + l2 * l3 * k3 * (theta2 - theta3).cos())
 }
 
-/// Time that the coasting gear takes for its closed curve, through both toggles and back [s], where the crank has the
-/// speed `omega` at `theta2`: the integral of sqrt(I) over twice its range, at constant sqrt(I) omega. With theta2 =
-/// toggle sin(phi) the integrand is smooth and periodic: the midpoint rule converges geometrically.
+/// Time of the coasting gear for its closed curve, through both toggles and back [s], where the crank has the speed
+/// `omega` at `theta2`: the integral of sqrt(I) over twice its range, at constant sqrt(I) omega. With theta2 = toggle
+/// sin(phi) the integrand is smooth and periodic: the midpoint rule converges geometrically.
 fn round_trip(theta2: f64, omega: f64) -> f64 {
     const POINTS: u32 = 4000;
     let step = PI / f64::from(POINTS);
@@ -62,7 +62,7 @@ pub fn toggles() -> Vec<Scene> {
         let still = Case::of(GEAR).free().with("actuator.force", 0.0).with("load_factor", 0.0);
         let case = still.with("crank.start_speed", omega);
         let period = round_trip(0.8, omega);
-        // The curve's length is known to the table's accuracy by either way; each turn adds that.
+        // Both methods know the curve's length to the table's accuracy; the errors add up over the turns.
         let turn = period * omega.abs();
         let back = Expected::closed(
             "crank.angle",
@@ -75,11 +75,11 @@ pub fn toggles() -> Vec<Scene> {
         add(format!("coasting at {omega} rad/s, in {}", super::count(plan.steps())), case, plan, 1e-9, back);
     }
     for tolerance in [1e-6, 1e-9, 1e-12] {
-        // Half a swing takes some 0.3 s and passes the lower toggle.
+        // Half an oscillation takes about 0.3 s and passes the lower toggle.
         let (what, plan) = ("swinging under 30 kN for 3000 s in 100000 steps".into(), Plan::steady(3000.0, 100_000));
         add(what, Case::of(GEAR).free(), plan, tolerance, Expected::Energy);
         for m in MECHANISMS.iter().filter(|m| ["SliderCrank", "FourBar", "FourBarChain"].contains(&m.name)) {
-            // Under no load but its own weight, as fast at the start as stated: two dead centres in each turn.
+            // With its weight as the only load and the default start speed: two dead centres in each turn.
             let turn = if m.name == "FourBarChain" { 1.942_514_922_607_084 } else { 0.5 * m.span };
             let plan = Plan::steady(TURNS * turn, 10_000);
             let case = Case::of(m).with(m.input, if m.name == "FourBarChain" { 1.0 } else { 0.0 });

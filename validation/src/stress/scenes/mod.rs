@@ -7,7 +7,7 @@ mod together;
 
 use super::Row;
 
-/// All, group by group.
+/// All rows, group by group.
 pub fn all() -> Vec<Row> {
     let groups = [
         sizes::tolerances(),
@@ -29,7 +29,7 @@ pub fn all() -> Vec<Row> {
     groups.into_iter().flatten().map(Row::from).collect()
 }
 
-/// So many steps, in words.
+/// A number of steps as text.
 pub fn count(steps: u64) -> String {
     if steps == 1 { "1 step".into() } else { format!("{steps} steps") }
 }

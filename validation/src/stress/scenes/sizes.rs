@@ -1,11 +1,11 @@
-//! Tolerances and communication steps; masses, lengths and forces from a millionth to a million times their size, and
-//! bodies of very unlike masses.
+//! Tolerances and communication steps; masses, lengths and forces from a millionth to a million times their defaults,
+//! and bodies with very different masses.
 use crate::stress::case::{Case, MECHANISMS, Scaling};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::{Expected, Scene};
 use linkage_fmu::variables::{Unit, Value};
 
-/// Every mechanism at every power of ten, in one step and in those of its default experiment.
+/// Every mechanism at every power of ten of the tolerance, in one step and in the steps of its default experiment.
 pub fn tolerances() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -18,7 +18,7 @@ pub fn tolerances() -> Vec<Scene> {
     scenes
 }
 
-/// Every mechanism in steps of 1 us to 1 s, irregular ones, and steps one unit in the last place of the time.
+/// Every mechanism in steps of 1 us to 1 s, irregular steps, and steps of one unit in the last place of the time.
 pub fn communication() -> Vec<Scene> {
     const GROUP: &str = "Communication steps";
     let mut scenes = Vec::new();
@@ -29,7 +29,7 @@ pub fn communication() -> Vec<Scene> {
         };
         for h in [1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0] {
             let count = (m.span / h).round().max(1.0);
-            // The span is kept where whole steps fill it.
+            // The span is unchanged if whole steps fill it.
             let span = if (count * h - m.span).abs() < 1e-12 { m.span } else { count * h };
             add(format!("{} of {h:e} s", super::count(count as u64)), span, Cut::Equal(count as u64));
         }
@@ -40,7 +40,7 @@ pub fn communication() -> Vec<Scene> {
     scenes
 }
 
-/// Every mechanism in other units: the same angles must come out at times that are multiplied alike.
+/// Every mechanism in other units: the same angles at scaled times.
 pub fn units() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -65,8 +65,9 @@ pub fn units() -> Vec<Scene> {
     scenes
 }
 
-/// Bodies that stand still somewhere in the motion: a billion times as heavy as the rest, they leave a billionth of the
-/// reduced inertia there. sigma then passes a place of 1e-9 of its length, which rounding resolves to 1e-7: no table.
+/// Bodies that stand still somewhere in the motion: a billion times as heavy as the others, they leave a billionth of
+/// the reduced inertia there. sigma then passes a region of 1e-9 of its length, which rounding resolves to 1e-7: no
+/// table.
 const STILL: [(&str, &str, f64); 6] = [
     (
         "AndrewsSqueezer",
@@ -80,7 +81,7 @@ const STILL: [(&str, &str, f64); 6] = [
     ("SliderCrank", "crank.inertia", 1e-9),
 ];
 
-/// One body of every mechanism a million and a billion times as heavy, or light, as stated.
+/// One body of every mechanism a million and a billion times as heavy, or as light, as its default.
 pub fn mass_ratios() -> Vec<Scene> {
     let mut scenes = Vec::new();
     for m in &MECHANISMS {
@@ -92,7 +93,7 @@ pub fn mass_ratios() -> Vec<Scene> {
                 continue;
             };
             for factor in [1e-9, 1e-6, 1e6, 1e9] {
-                // The beak and the coupler have a mass and an inertia: without the one the other stands still.
+                // The beak and the coupler have a mass and an inertia: without one of them the other stands still.
                 let alone =
                     matches!(m.name, "CraneJib" | "FourBar") && parameter.name.ends_with("mass") && factor == 1e-9;
                 let name = parameter.name.as_str();
@@ -100,7 +101,7 @@ pub fn mass_ratios() -> Vec<Scene> {
                     .any(|&(of, names, by)| of == m.name && by == factor && names.split(' ').any(|n| n == name));
                 let refused = || Expected::refusal(&["almost no mass moves there"]);
                 let expected = if alone || stated_still { refused() } else { Expected::Angle };
-                // Without its load the jib swings so fast that 3 s take 4e5 steps, eight times `solver.max_steps`.
+                // Without its load the jib oscillates so fast that 3 s take 4e5 steps, eight times `solver.max_steps`.
                 let fast = m.name == "Jib" && name == "load.mass" && factor == 1e-9;
                 let span = if fast { 0.01 * m.span } else { m.span };
                 let (case, plan) = (Case::of(m).with(name, factor * stated), Plan::steady(span, m.steps));

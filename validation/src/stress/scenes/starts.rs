@@ -1,4 +1,4 @@
-//! Starts at places that are no place for a start: toggles, stops, positions where branches cross.
+//! Starts at singular or rejected positions: toggles, stops, intersections of branches.
 use crate::stress::case::{CHAIN, Case, GEAR, MECHANISMS, Mechanism};
 use crate::stress::plan::Plan;
 use crate::stress::reference::TABLE;
@@ -10,13 +10,13 @@ const CRANK: f64 = 0.1755;
 const COUPLER: f64 = 0.217;
 const FOLLOWER: f64 = 0.34;
 
-/// The gear's crank angle where coupler and follower are in line: c^2 = a^2 + b^2 - 2 a b cos(angle), c their sum.
+/// The gear's crank angle with coupler and follower in line: c^2 = a^2 + b^2 - 2 a b cos(angle), with c their sum.
 pub fn toggle() -> f64 {
     let together = COUPLER + FOLLOWER;
     ((GROUND * GROUND + CRANK * CRANK - together * together) / (2.0 * GROUND * CRANK)).acos()
 }
 
-/// Height of the joint C over the line B-D, and the angles of coupler and follower, at a crank angle on the gear's
+/// Height of the joint C above the line B-D, and the angles of coupler and follower, at a crank angle on the gear's
 /// branch.
 fn closed(crank: f64) -> (f64, f64, f64) {
     let (x, y) = (CRANK * crank.cos() - GROUND, CRANK * crank.sin());
@@ -41,7 +41,7 @@ fn starting(m: &Mechanism, start: &str) -> String {
     format!("{}\"start\": {{ {start} }}{}", &m.text[..from], &m.text[to..])
 }
 
-/// The gear at both ends of its crank's range, at and around its toggles; and other bodies where they turn back.
+/// The gear at both ends of its crank's range, at and near its toggles; and other bodies at their reversals.
 pub fn toggles() -> Vec<Scene> {
     const GROUP: &str = "Starts at a toggle";
     let mut scenes = Vec::new();
@@ -51,8 +51,8 @@ pub fn toggles() -> Vec<Scene> {
             let at = Case::of(GEAR).free().with("crank.start_angle", crank);
             let what = format!("{inside:e} rad within the {side} toggle");
             scenes.push(scene(GROUP, what, at.clone(), (0.2, 200), Expected::Energy));
-            // The same place by the follower, which turns evenly there: an error d of the crank's angle is one of
-            // l1 l2 sin(theta2) d in half the square of B-D, and with height h of a d / h in the height.
+            // The same position by the follower, which turns uniformly there: an error d of the crank's angle is an
+            // error of l1 l2 sin(theta2) d in half the square of B-D, and for height h one of a d / h in the height.
             let (height, coupler, follower) = closed(crank);
             let error = 8.0 * f64::EPSILON * FOLLOWER;
             let apart = (2.0 * error / FOLLOWER).sqrt().min(error / height.max(f64::MIN_POSITIVE)) * 2.0;
@@ -163,7 +163,7 @@ static FLAT: Mechanism = Mechanism {
     known: &[],
 };
 
-/// Positions where two branches cross.
+/// Positions where two branches intersect.
 pub fn crossings() -> Vec<Scene> {
     const GROUP: &str = "Starts at a crossing";
     let mut scenes = Vec::new();

@@ -1,16 +1,16 @@
-//! Friction, drag, stops, bumpers and drives with losses together.
+//! Friction, drag, stops, bumpers and drives with losses combined.
 use crate::stress::case::{Case, GEAR, MECHANISMS, Scaling, get};
 use crate::stress::plan::{Cut, Force, Plan};
 use crate::stress::scene::{Expected, Scene};
 
 const GROUP: &str = "Everything at once";
 
-/// The gear with friction and in the wind.
+/// The gear with friction and wind.
 fn loaded() -> Case {
     Case::of(GEAR).turned("friction.enabled", true).turned("air.relative_wind", true).with("airspeed", 70.0)
 }
 
-/// The gear's retraction with all of it, in other units; the drives of other mechanisms with losses.
+/// The gear's retraction with all of these, also in other units; the drives of other mechanisms with losses.
 pub fn scenes() -> Vec<Scene> {
     let mut scenes = Vec::new();
     let mut add = |what: String, case: Case, plan: Plan, tolerance: f64, expected: Expected| {
@@ -68,7 +68,7 @@ pub fn scenes() -> Vec<Scene> {
             }
         }
     }
-    // What dry friction would hold creeps below V_S: the gear with a hundredth less than the force that holds it.
+    // Regularised dry friction creeps below V_S: the gear with a hundredth less than the holding force.
     let rest = Case::of(GEAR).turned("friction.enabled", true).with("crank.start_angle", 0.0);
     let rest = rest.with("friction.static_coefficient", 1.0);
     let holding = rest.model(1e-9).and_then(|mut model| get(&mut model, "actuator.holding_force")).unwrap_or_default();
@@ -77,16 +77,16 @@ pub fn scenes() -> Vec<Scene> {
         for steps in [1, 1000] {
             let plan = Plan::steady(seconds, steps);
             let what = format!("creep, V_S = {border:e} m/s, {seconds} s in {}", super::count(steps));
-            // Angles at 1e-6 only: their reference, at 1e-9, is the tightest that rounding near rest leaves cheap.
+            // Angles at 1e-6 only: the reference, at 1e-9, has the tightest tolerance for which rounding near rest
+            // costs few steps.
             add(what.clone(), case.clone(), plan.clone(), 1e-6, Expected::Angle);
-            // The energies at play are seen on the way only.
+            // The reference energies are sampled during the motion only.
             if steps > 1 {
                 add(what, case.clone(), plan, 1e-9, Expected::Energy);
             }
         }
     }
-    // At rest under forces in balance, rounding is more than this tolerance allows in a long step: many short ones
-    // follow.
+    // At rest in equilibrium the rounding error exceeds the allowed error of a long step: many short steps follow.
     let case = rest.with("friction.static_speed", 1e-4).with("actuator.force", 0.99 * holding);
     let plan = Plan::steady(200.0, 200);
     add("creep to rest, V_S = 1e-4 m/s, 200 s in 200 steps".into(), case, plan, 1e-12, Expected::Energy);

@@ -7,10 +7,10 @@ use super::super::xml::Element;
 use super::{Frame, Mjcf};
 use anyhow::{Context, Result, bail, ensure};
 
-/// Largest difference of a pose that is rounding of the file.
+/// Largest difference of poses that counts as rounding of the file.
 const OFF: f64 = 1e-6;
 
-/// What an actuator does to its length at the control 0: bias b0 + b1 length + b2 speed; its gain.
+/// Force of an actuator at the control 0: bias b0 + b1 length + b2 speed, and its gain.
 struct Law {
     bias: [f64; 3],
     gain: f64,
@@ -41,7 +41,7 @@ impl Mjcf {
             "connect" => self.connect(node),
             "weld" => self.weld(node),
             "joint" => self.coupling(node),
-            // The table rejects them.
+            // The table rejects all other elements.
             _ => Ok(()),
         }
     }
@@ -72,7 +72,7 @@ impl Mjcf {
         found.with_context(no).map(Some)
     }
 
-    /// Bodies that an equality holds together, and the frames of its sites.
+    /// Bodies that an equality connects, and the frames of its sites.
     fn ends(&self, node: &Element) -> Result<([usize; 2], Option<[Frame; 2]>)> {
         match (node.get("site1"), node.get("site2")) {
             (Some(one), Some(other)) => {
@@ -116,12 +116,12 @@ impl Mjcf {
             (other, wanted) = (b, a);
         } else if let Some([x, y, z, q @ ..]) = pose {
             let rotation = super::after(&one.1, &super::of_quaternion(q));
-            // The pose is that of the anchor, which the second body states in its own frame.
+            // The pose is that of the anchor in the frame of the second body.
             let anchor = node.fixed("anchor")?.unwrap_or([0.0; 3]);
             let place = add(one.0, turned(&one.1, [x, y, z]));
             wanted = (add(place, scaled(turned(&rotation, anchor), -1.0)), rotation);
         } else {
-            // It holds at the position of the file, wherever its anchor is.
+            // The equality holds at the position of the file, for any anchor.
             node.get("anchor");
         }
         let apart = |a: [f64; 3], b: [f64; 3]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -249,7 +249,7 @@ impl Mjcf {
             }
             (None, Some(at)) => {
                 let strut = &mut self.space.struts[at];
-                // A tendon pulls its ends together where the force is negative.
+                // A negative force of a tendon pulls its ends together.
                 (&mut strut.acting, strut.name.as_str(), 0.0)
             }
             (None, None) => {

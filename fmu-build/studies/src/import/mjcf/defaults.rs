@@ -1,12 +1,12 @@
 //! Included files and default classes of MJCF.
 //!
-//! In: elements. Out: the same elements with what stands in included files, and with the attributes of their classes.
+//! In: elements. Out: these elements with the contents of included files, and with the attributes of their classes.
 
 use super::super::xml::Element;
 use super::table::{ACTUATORS, SHARED};
 use anyhow::{Context, Result, bail, ensure};
 
-/// Put what stands in included files in the place of `<include>`.
+/// Replace each `<include>` by the contents of its file.
 ///
 /// # Errors
 /// A file cannot be read, is empty, or is included twice.
@@ -29,7 +29,7 @@ pub fn included(root: &mut Element, include: &dyn Fn(&str) -> Result<String>, kn
     Ok(())
 }
 
-/// A class by its name, with the elements that state its defaults, those of its parents last.
+/// A class by its name, with the elements of its defaults. Those of its parents are last.
 struct Class {
     name: String,
     parts: Vec<Element>,
@@ -38,7 +38,7 @@ struct Class {
 /// Write the attributes of default classes into the elements.
 ///
 /// # Errors
-/// An element names a class that there is not.
+/// An element names a class that does not exist.
 pub fn written_out(root: &mut Element) -> Result<()> {
     let mut classes = Vec::new();
     for top in root.all("default") {
@@ -60,7 +60,7 @@ fn complete(element: &mut Element, group: &str, around: Option<&str>, classes: &
         "tendon" => "tendon",
         _ => element.tag.as_str(),
     };
-    // A class of the element's own, else that of the nearest body around it, else the main one.
+    // The class of the element, else that of the nearest body around it, else the main class.
     let class = match element.get("class").or(around) {
         Some(name) => match classes.iter().find(|class| class.name == name) {
             None if !matches!(group, "worldbody" | "equality" | "tendon" | "actuator") => None,
@@ -75,7 +75,7 @@ fn complete(element: &mut Element, group: &str, around: Option<&str>, classes: &
     };
     let is_drive = group == "actuator";
     for part in class.iter().flat_map(|class| &class.parts) {
-        // Drives of all kinds share the defaults of their transmission and limits.
+        // Actuators of all kinds share the defaults of their transmission and limits.
         let shared = is_drive && part.tag != kind;
         if part.tag != kind && !(shared && ACTUATORS.contains(&part.tag.as_str())) {
             continue;
@@ -95,13 +95,13 @@ fn complete(element: &mut Element, group: &str, around: Option<&str>, classes: &
     element.children.iter_mut().try_for_each(|child| complete(child, group, around.as_deref(), classes))
 }
 
-/// The classes in a `<default>`, itself first.
+/// The classes in a `<default>`, starting with the element itself.
 fn collect(node: &Element, parents: &[Element], classes: &mut Vec<Class>) {
     let own = node.children.iter().filter(|child| child.tag != "default");
     let parts: Vec<Element> = own.chain(parents).cloned().collect();
     let name = node.get("class").unwrap_or("main");
     match classes.iter_mut().find(|class| class.name == name) {
-        // A class may be stated in several sections; what comes later counts first.
+        // A class may have several sections. Later sections take precedence.
         Some(class) => class.parts.splice(0..0, parts.iter().cloned()).for_each(drop),
         None => classes.push(Class { name: name.to_owned(), parts: parts.clone() }),
     }

@@ -1,7 +1,7 @@
 //! MuJoCo's MJCF as a mechanism in space: settings, bodies, joints.
 //!
-//! In: XML. Out: bodies and joints in space, with notes. What a planar mechanism of rigid bodies cannot have is
-//! rejected or noted, as the table of this format says.
+//! In: XML. Out: bodies and joints in space, with notes. Parts that a planar mechanism of rigid bodies cannot represent
+//! are rejected or noted according to the table of this format.
 
 mod acting;
 mod defaults;
@@ -14,10 +14,10 @@ use super::xml::{Element, rejected, unread};
 use anyhow::{Context, Result, bail, ensure};
 pub use table::{TABLE, group};
 
-/// Density of MuJoCo's geoms where none is stated [kg/m3].
+/// Default density of MuJoCo's geoms [kg/m3].
 const DENSITY: f64 = 1000.0;
 
-/// A place and a rotation in space.
+/// A position and a rotation in space.
 type Frame = (Vector, Rotation);
 
 /// Parts of MuJoCo's computation that `<flag>` can disable.
@@ -31,7 +31,7 @@ struct Enabled {
     actuation: bool,
 }
 
-/// Which bodies take their masses from geoms.
+/// Bodies whose masses are computed from geoms.
 #[derive(Clone, Copy, PartialEq)]
 enum FromGeoms {
     Never,
@@ -46,21 +46,21 @@ struct Mjcf {
     autolimits: bool,
     from_geoms: FromGeoms,
     groups: [f64; 2],
-    /// Whether the body at hand takes its mass from its geoms.
+    /// Whether the mass of the present body is computed from its geoms.
     needs_geoms: bool,
     least: [f64; 2],
     enabled: Enabled,
-    /// Frame of each solid and value of each hinge at the position of the file.
+    /// Frame of each body, and value of each hinge, at the position of the file.
     frames: Vec<Frame>,
     refs: Vec<f64>,
     /// Sites by name: body, frame.
     sites: Vec<(String, usize, Frame)>,
 }
 
-/// A mechanism in MJCF; `include` gives the text of an included file.
+/// A mechanism in MJCF. `include` returns the text of an included file.
 ///
 /// # Errors
-/// It is no MJCF; what is no planar mechanism of hinges and slides.
+/// The text is no MJCF, or no planar mechanism of hinges and slides.
 pub fn of_mjcf(name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Space> {
     read(name, &document(text, include)?)
 }
@@ -68,7 +68,7 @@ pub fn of_mjcf(name: &str, text: &str, include: &dyn Fn(&str) -> Result<String>)
 /// The document with its included files and the attributes of its classes.
 ///
 /// # Errors
-/// It is no MJCF; a file or a class is missing.
+/// The text is no MJCF, or a file or a class is missing.
 pub fn document(text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<Element> {
     let mut root = Element::parse(text, "")?;
     ensure!(root.tag == "mujoco", "{}: MJCF starts with <mujoco>", root.at());
@@ -81,7 +81,7 @@ pub fn document(text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<
 /// The mechanism of a document.
 ///
 /// # Errors
-/// What is no planar mechanism of hinges and slides.
+/// The document is no planar mechanism of hinges and slides.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
     let all = Enabled { spring: true, damper: true, limit: true, equality: true, friction: true, actuation: true };
     let mut reader = Mjcf {
@@ -112,7 +112,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
             solid.inertia = solid.inertia.map(|column| scaled(column, total / sum));
         }
     }
-    // Connections, tendons and drives name bodies, sites and joints that stand anywhere.
+    // Connections, tendons and drives may name bodies, sites and joints at any place of the file.
     reader.acting(root)?;
     let world = |site: &&(String, usize, Frame)| site.1 > 0;
     let sites = reader.sites.iter().filter(world).map(|(name, body, frame)| (name.clone(), *body, frame.0));
@@ -123,7 +123,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
 }
 
 impl Mjcf {
-    /// Settings, whatever their place in the file; the total mass.
+    /// Settings in any order. Returns the total mass.
     fn settings(&mut self, root: &Element) -> Result<Option<f64>> {
         let mut total = None;
         for node in root.all("compiler") {
@@ -176,7 +176,7 @@ impl Mjcf {
         if self.in_degrees { value.to_radians() } else { value }
     }
 
-    /// Place and rotation that an element states in the frame of its parent.
+    /// Position and rotation of an element in the frame of its parent.
     fn frame(&self, node: &Element, (place, rotation): Frame) -> Result<Frame> {
         let own = node.fixed("pos")?.unwrap_or([0.0; 3]);
         let direction = |v: Vector, key: &str| {
@@ -193,7 +193,7 @@ impl Mjcf {
             for (letter, angle) in self.sequence.chars().zip(angles) {
                 let axis = SAME["xyz".find(letter.to_ascii_lowercase()).unwrap_or_default()];
                 let turn = about(axis, self.angle(angle));
-                // Small letters turn about the axes that have turned already.
+                // Lower-case letters are rotations about the axes after the previous rotations.
                 inner = if letter.is_ascii_lowercase() { after(&inner, &turn) } else { after(&turn, &inner) };
             }
         } else if let Some([a, b, c, d, e, f]) = node.fixed("xyaxes")? {
@@ -206,7 +206,8 @@ impl Mjcf {
         Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
     }
 
-    /// What stands in a body that has the index `own`, or in a frame there, which adds to the parts of its body.
+    /// Read the contents of the body with the index `own`, or of a frame in it, which adds to the mass properties of
+    /// its body.
     fn body(&mut self, node: &Element, own: usize, frame: Frame, parts: Option<&mut Vec<Part>>) -> Result<()> {
         let is_body = parts.is_none();
         if is_body {
@@ -273,7 +274,7 @@ impl Mjcf {
         let count = joints.len();
         let mut hinges = Vec::new();
         for (joint, left) in joints.into_iter().zip((0..count).rev()) {
-            // Several joints of one body act one after the other, with bodies without mass between them.
+            // Several joints of one body act in series, with bodies without mass between them.
             let name = if left == 0 { name.clone() } else { format!("{name}_{}", self.space.solids.len()) };
             let index = self.space.solids.len();
             self.space.solids.push(Solid { name, place: frame.0, ..Solid::default() });
@@ -294,7 +295,7 @@ impl Mjcf {
         self.body(inner, base, frame, None)
     }
 
-    /// The joints of a body, also those in its frames.
+    /// The joints of a body, including those in its frames.
     fn joints_of<'a>(&self, node: &'a Element, frame: Frame, found: &mut Vec<(&'a Element, Frame)>) -> Result<()> {
         for inner in &node.children {
             match inner.tag.as_str() {
@@ -340,7 +341,7 @@ impl Mjcf {
         Ok(())
     }
 
-    /// Spring, damper and rotor of a joint or a tendon; its free value is still 0.
+    /// Spring, damper and rotor of a joint or a tendon. The free value of the spring is still 0.
     fn passive(&self, node: &Element) -> Result<Acting> {
         let linear = |key: &'static str, is_on: bool| -> Result<f64> {
             let all = node.numbers(key)?.unwrap_or_default();
@@ -376,7 +377,7 @@ impl Mjcf {
             _ => self.autolimits,
         };
         let limited = node.is("limited", "true");
-        // A range without width is none, unless it is said to be a limit.
+        // A range without width is no limit, unless the file states that it is one.
         let stated = stated.filter(|[lower, upper]| is_limit && self.enabled.limit && (lower != upper || limited));
         stated.map(|range| node.ascending("range", range)).transpose()
     }
@@ -405,7 +406,7 @@ impl Mjcf {
             "sphere" => Shape::Sphere(part(0)?),
             "cylinder" => Shape::Cylinder(part(0)?, long(1)?),
             "capsule" => Shape::Capsule(part(0)?, long(1)?),
-            // Between two ends the first size counts for both directions across.
+            // For a shape between two ends, the first size is that of both transverse directions.
             "box" => Shape::Cuboid([2.0 * part(0)?, 2.0 * part(across)?, long(2)?]),
             "ellipsoid" => Shape::Ellipsoid([part(0)?, part(across)?, 0.5 * long(2)?]),
             "plane" | "hfield" => return Ok(None),
@@ -423,7 +424,7 @@ fn of_quaternion([w, x, y, z]: [f64; 4]) -> Rotation {
     unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)))
 }
 
-/// The smallest turn that brings z to a direction.
+/// The rotation with the smallest angle from z to a direction.
 fn least_turn(z: Vector) -> Rotation {
     let axis = cross(SAME[2], z);
     let angle = dot(axis, axis).sqrt().atan2(z[2]);

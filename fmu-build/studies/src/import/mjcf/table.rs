@@ -1,7 +1,7 @@
-//! What becomes of each element and attribute of MJCF.
+//! Treatment of each element and attribute of MJCF.
 //!
-//! The page of the reference is written from this table. A test compares it with what the importer reads, and with the
-//! elements and attributes that MuJoCo has.
+//! The page of the reference is written from this table. A test compares it with the importer, and with the elements
+//! and attributes of MuJoCo.
 
 use super::super::xml::{Element, Fate, Row};
 use Fate::{LeftOut, NoEffect, Read, Rejected};
@@ -21,7 +21,7 @@ pub const ACTUATORS: [&str; 12] = [
     "adhesion",
     "dcmotor",
 ];
-/// Attributes that defaults of all actuators share.
+/// Attributes that the defaults of all actuators share.
 pub const SHARED: [&str; 13] = [
     "gear",
     "damping",
@@ -38,7 +38,7 @@ pub const SHARED: [&str; 13] = [
     "user",
 ];
 
-/// Elements in bodies and in frames of bodies are of one kind.
+/// Elements in bodies and in frames of bodies have one group.
 pub fn group(tag: &str) -> String {
     if matches!(tag, "worldbody" | "frame") { "body".to_owned() } else { tag.to_owned() }
 }
@@ -204,7 +204,7 @@ pub const TABLE: &[Row] = &[
         the force"),
 ];
 
-/// The contact between geoms of two bodies of which neither carries the other.
+/// Message about contact between geoms of two bodies, unless one body carries the other.
 pub fn contact(root: &Element) -> Option<String> {
     let is_off = |flag: &Element| flag.is("contact", "disable") || flag.is("constraint", "disable");
     if root.all("option").flat_map(|option| option.all("flag")).filter(|flag| is_off(flag)).count() > 0 {
@@ -225,7 +225,7 @@ pub fn contact(root: &Element) -> Option<String> {
     ))
 }
 
-/// Geoms that may touch others, with their body and the body that carries it.
+/// Geoms that may contact others, with their body and its parent.
 fn collect<'a>(
     node: &'a Element,
     (own, parent): (usize, usize),

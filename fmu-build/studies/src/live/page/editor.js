@@ -1,13 +1,13 @@
-// The editor: CodeMirror with the schema's help, and the marks of the check.
+// The editor: CodeMirror with help from the schema, and the findings of the check.
 
 const { Annotation, EditorState, EditorView, Transaction } = CodeMirror;
-/** Of a change that the page makes by itself. */
+/** Marks a change that the page makes itself. */
 const byPage = Annotation.define();
 
 class Editor {
-  /** `edited` is called after each change of the text, `save` when the keys for it are pressed. */
+  /** `edited` is called after each change of the text, `save` by the keys for saving. */
   constructor(parent, text, edited, save) {
-    // The ends of lines of the file, which a text of the editor does not have.
+    // The line ends of the file, which the text of the editor does not contain.
     this.end = text.includes("\r\n") ? "\r\n" : "\n";
     const c = CodeMirror;
     const keys = [
@@ -38,12 +38,12 @@ class Editor {
     return this.state.doc.toString();
   }
 
-  /** The text as the file has it. */
+  /** The text with the line ends of the file. */
   get written() {
     return this.end === "\n" ? this.text : this.text.replaceAll("\n", this.end);
   }
 
-  /** Put another text in the place of the part that differs, so that cursor and history stay. */
+  /** Replace the part of the text that differs, so that cursor and history are kept. */
   replace(text, isStep = true) {
     if (text.includes("\r\n")) this.end = "\r\n";
     const [before, after] = [this.text, plain(text)];
@@ -54,18 +54,18 @@ class Editor {
     if (before !== after) this.change([{ from, to: before.length - end, insert: after.slice(from, after.length - end) }], isStep);
   }
 
-  /** One step of the history, or none of it. */
+  /** One step of the history, or a change outside of the history. */
   change(changes, isStep = true) {
     const step = isStep ? CodeMirror.isolateHistory.of("full") : Transaction.addToHistory.of(false);
     this.view.dispatch({ changes, annotations: [step, byPage.of(true)] });
   }
 
-  /** Underline what the check has found. */
+  /** Underline the findings of the check. */
   mark(marks) {
     const { doc } = this.state;
     const { length } = doc;
     const words = JSON.stringify(marks);
-    // The same again would let the editor measure the page, which takes longer than the rest of a run.
+    // Unchanged marks would make the editor measure the page, which takes longer than the rest of a run.
     if (words === this.words && (doc === this.marked || !marks.length)) return;
     [this.words, this.marked] = [words, doc];
     const diagnostics = marks.map(({ from, to, is_error, message }) => ({
@@ -74,7 +74,7 @@ class Editor {
     this.view.dispatch(CodeMirror.setDiagnostics(this.state, diagnostics));
   }
 
-  /** The cursor stays in sight when the editor gets smaller while a text is typed. */
+  /** Keep the cursor visible when the editor becomes smaller while the user types. */
   keepInSight() {
     if (this.view.hasFocus) this.view.dispatch({ effects: EditorView.scrollIntoView(this.state.selection.main.head) });
   }
@@ -86,5 +86,5 @@ class Editor {
   }
 }
 
-/** A text as the editor has it. */
+/** A text in the form of the editor. */
 const plain = (text) => text.replace(/\r\n?/g, "\n");

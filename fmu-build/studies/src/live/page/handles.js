@@ -1,15 +1,12 @@
-// Handles: points of the drawing that are numbers of the text, to be dragged.
-//
-// A handle has the path of its numbers, a point of the scene, and the angle by which the axes of the numbers are turned
-// against those of the point's frame.
+// Handles: points of the drawing that the user can drag, because their coordinates are numbers of the text.
 
-/** Most digits of a number that a drag writes. */
+/** Largest number of digits of a number that a drag writes. */
 const DIGITS = 6;
 const turnedBy = ([x, y], angle) => [Math.cos(angle) * x - Math.sin(angle) * y, Math.sin(angle) * x + Math.cos(angle) * y];
 const minus = (a, b) => [a[0] - b[0], a[1] - b[1]];
 const isPair = (value) => Array.isArray(value) && value.length === 2 && value.every((number) => typeof number === "number");
 
-/** Handles of a definition: of its scene, and the poses at which its stops are met. */
+/** Handles of a definition: of its scene, and of the poses at which its stops are reached. */
 function collectHandles(root, scene, travel) {
   const metre = root.units?.length === "mm" ? 1e-3 : 1;
   const radian = root.units?.angle === "deg" ? Math.PI / 180 : 1;
@@ -38,7 +35,7 @@ function collectHandles(root, scene, travel) {
   return [...join(all, root), ...stopHandles(root, scene, travel, metre, radian)].filter((handle) => handle.turn !== undefined);
 }
 
-/** Angle from the axes of a handle's numbers to those of its point's frame [rad]; undefined if nothing defines it. */
+/** Angle from the axes of a handle's numbers to those of its point's frame [rad], or undefined. */
 function turnOf(handle, all, scene, planes) {
   const { frame } = handle.point;
   const origin = scene.bodies.find(({ name }) => name === handle.body).points[0];
@@ -56,7 +53,7 @@ function turnOf(handle, all, scene, planes) {
   return turn ?? (handle.isPlane ? planes.get(frame) : undefined);
 }
 
-/** Drawn points that a joint holds together are one handle; one that is joined to a point that cannot move is none. */
+/** Drawn points that a joint connects share one handle. A point joined to a fixed point has no handle. */
 function join(all, root) {
   const byName = new Map(all.filter(({ isPlane }) => isPlane).map((handle) => [handle.name, handle]));
   const [groups, fixed] = [new Map([...byName.values()].map((handle) => [handle, new Set([handle])])), new Set()];
@@ -79,7 +76,7 @@ function join(all, root) {
   });
 }
 
-/** Handles of stops, at the bodies where they meet them. */
+/** Handles of stops, at the bodies in the position of the stop. */
 function stopHandles(root, scene, travel, metre, radian) {
   return (travel?.stops ?? []).flatMap((met) => {
     const stop = scene.stops[met.stop];
@@ -100,7 +97,7 @@ function stopHandles(root, scene, travel, metre, radian) {
   });
 }
 
-/** Numbers of a handle that was dragged from one place of the mechanism frame to another one [m]. */
+/** Numbers of a handle that was dragged from one point of the mechanism frame to another point [m]. */
 function moved(handle, poses, from, to, perPixel) {
   const d = minus(to, from);
   const rounded = (value, step) => Number(Number(value.toFixed(Math.min(Math.max(Math.ceil(-Math.log10(step)), 0), 15))).toPrecision(DIGITS));
@@ -127,7 +124,7 @@ class Handles {
     Object.assign(this, { on, list: [] });
     const { extents, layout } = Drawing.prototype;
     const own = this;
-    // While a point is dragged, the drawing stays where it is.
+    // The drawing keeps its scale during a drag.
     Drawing.prototype.extents = function (...sources) {
       return own.drag?.box ?? extents.apply(this, sources);
     };
@@ -138,15 +135,15 @@ class Handles {
     addEventListener("pointermove", (event) => this.move(event));
     addEventListener("pointerup", (event) => this.finish(event, true));
     addEventListener("pointercancel", (event) => this.finish(event, false));
-    // Before the text, which keeps its keys to itself.
+    // Before the listener of the text, which stops the propagation of its keys.
     addEventListener("keydown", (event) => event.key === "Escape" && this.drag && this.finish(this.drag, false), true);
   }
 
-  /** The handles for the next data; none where the text gives no motion. */
+  /** The handles for the next data. None if the text gives no motion. */
   set(root, { scene, travel, wrong }) {
     const own = wrong?.scene ?? scene;
     this.list = root && own ? collectHandles(root, own, wrong ? undefined : travel) : [];
-    // Where the text puts the points, and not where the last motion has them.
+    // At the points of the text, not of the last motion.
     if (wrong) this.list.forEach((handle) => (handle.poses = wrong.poses));
   }
 
@@ -166,14 +163,14 @@ class Handles {
     }
   }
 
-  /** The next handle at the same place. */
+  /** The next handle at the same point. */
   below(handle, drawing) {
     const at = (one) => place(one.poses ?? drawing.poses, one.point);
     const here = this.list.filter((one) => Math.hypot(...minus(at(one), at(handle))) * drawing.scale < 3);
     return here[(here.indexOf(handle) + 1) % here.length];
   }
 
-  /** Place of a pointer in the mechanism frame [m]. */
+  /** Position of a pointer in the mechanism frame [m]. */
   place({ clientX, clientY }) {
     const { drawing } = mechanism;
     const { x, y } = new DOMPoint(clientX, clientY).matrixTransform(drawing.svg.getScreenCTM().inverse());

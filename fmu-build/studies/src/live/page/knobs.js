@@ -1,6 +1,6 @@
-// Sliders of inputs and parameters: values to be tried, which the text does not get.
+// Sliders of inputs and parameters. Their values are not written into the text.
 
-/** Sliders of each kind that are there at first. */
+/** Number of sliders of each kind that are shown at first. */
 const FIRST = 5;
 /** Range of a quantity whose value is 0, by its unit. */
 const RANGES = { N: 1e4, "N.m": 1e3, rad: Math.PI, m: 0.1, "m/s": 1, "rad/s": 1, 1: 1 };
@@ -26,7 +26,7 @@ class Knobs {
     });
   }
 
-  /** The variables that a model has now; sliders of others go. */
+  /** The present variables of the model. Sliders of other variables are removed. */
   update(all) {
     if (!all.length) return;
     const isNew = JSON.stringify(all) !== this.known;
@@ -96,7 +96,7 @@ class Knobs {
     number.setAttribute("aria-label", `Value of ${first.name}`);
     const unit = row.appendChild(document.createElement("small"));
     let [knob, factor] = [first, 1];
-    const tell = (value) => {
+    const show = (value) => {
       slider.value = value * factor;
       number.value = Number((value * factor).toPrecision(6));
       slider.setAttribute("aria-valuetext", `${number.value} ${unit.textContent}`);
@@ -105,7 +105,7 @@ class Knobs {
       const value = Number(input.value) / factor;
       if (input.value === "" || !Number.isFinite(value)) return;
       if (input === number) widen(value);
-      tell(value);
+      show(value);
       this.set(knob.name, value, knob.start);
     };
     const widen = (value) => {
@@ -114,7 +114,7 @@ class Knobs {
     };
     slider.addEventListener("input", () => turn(slider));
     number.addEventListener("change", () => turn(number));
-    row.reset = () => tell(knob.start);
+    row.reset = () => show(knob.start);
     row.update = (now) => {
       knob = now;
       row.title = knob.description;
@@ -127,7 +127,7 @@ class Knobs {
       Object.assign(slider, { min: least * factor, max: most * factor, step: step > 0 ? step : "any" });
       const value = this.values.get(knob.name) ?? knob.start;
       widen(value);
-      tell(value);
+      show(value);
     };
     row.update(first);
   }

@@ -1,12 +1,12 @@
-// The page and its server: text and values go there, data come back.
+// The page and its server: the page sends text and values, and receives data.
 
 const first = JSON.parse(byId("live-first").textContent);
-/** Time after which the news of the file are asked for again when the server has not answered [ms]. */
+/** Time after which the page repeats its request for a new version when the server has not answered [ms]. */
 const AGAIN = 1000;
-/** The last text that gave a motion: its data, and the text as an object. */
+/** The last text with a motion: its data, and the text as an object. */
 const good = {};
 const file = { version: first.version, text: plain(first.text) };
-/** Runs: whether one is on its way, whether another is wanted, how many were shown. */
+/** Runs: whether one is active, whether another is requested, number of shown runs. */
 const runs = { isOut: false, isWanted: false, shown: 0, last: undefined };
 
 const editor = new Editor(byId("live-text"), first.text, onEdit, save);
@@ -24,27 +24,27 @@ async function ask(path, body, signal) {
   return answer.json();
 }
 
-/** Run the text under the values of the sliders; while one run is out, the newest text waits. */
+/** Run the text with the values of the sliders. During a run, only the newest text waits. */
 async function run() {
   if (runs.isOut) return void (runs.isWanted = true);
   runs.isOut = true;
   do {
     runs.isWanted = false;
     const { text } = editor;
-    let told;
+    let reply;
     try {
-      told = await ask("run", { text, values: [...knobs.values] });
-      tellConnection();
+      reply = await ask("run", { text, values: [...knobs.values] });
+      showConnection();
     } catch (error) {
-      tellConnection(error);
+      showConnection(error);
       continue;
     }
     try {
-      apply(told.data, told.notes, text);
+      apply(reply.data, reply.notes, text);
     } catch {
-      // The last motion is that of a mechanism with other parts.
+      // The last motion belongs to a mechanism with other parts.
       good.data = undefined;
-      apply(told.data, told.notes, text);
+      apply(reply.data, reply.notes, text);
     }
   } while (runs.isWanted);
   runs.isOut = false;
@@ -73,14 +73,14 @@ function apply(data, notes, text) {
   if (playing) mechanism.clock?.play(true);
   knobs.update(notes.knobs);
   byId("live-knobs-problem").textContent = brief(notes.problems.join("; "));
-  // Of an older text the places are others.
+  // In an older text the places differ.
   if (text === editor.text) editor.mark(notes.marks);
-  tellFindings(notes.marks);
+  showFindings(notes.marks);
   runs.shown += 1;
   runs.last = { text, milliseconds: notes.milliseconds, at: performance.now() };
 }
 
-function tellFindings(marks) {
+function showFindings(marks) {
   const count = (is) => marks.filter((mark) => mark.is_error === is).length;
   const words = (n, word) => (n ? `${n} ${word}${n === 1 ? "" : "s"}` : "");
   const button = byId("live-findings");
@@ -90,12 +90,12 @@ function tellFindings(marks) {
   button.onclick = () => editor.goTo(marks[0].from, marks[0].to);
 }
 
-function tellConnection(error = file.error) {
+function showConnection(error = file.error) {
   byId("live-lost").hidden = !error;
   if (error) byId("live-lost").textContent = error instanceof TypeError ? "The server has ended. Your text is still here; start the command again, and copy the text into its page." : error.message;
 }
 
-function tellState() {
+function showState() {
   byId("live-state").textContent = isDirty() ? "Not saved" : "Saved";
   byId("live-save").disabled = !isDirty() || asks();
   byId("live-undo").disabled = !CodeMirror.undoDepth(editor.state);
@@ -103,7 +103,7 @@ function tellState() {
 }
 
 function onEdit() {
-  tellState();
+  showState();
   run();
 }
 
@@ -112,42 +112,42 @@ async function save() {
   const [text, written] = [editor.text, editor.written];
   try {
     file.saving = text;
-    const told = await ask("save", { text: written, version: file.version });
+    const reply = await ask("save", { text: written, version: file.version });
     file.error = undefined;
-    tellConnection();
-    if ("text" in told || "error" in told) onNews(told);
-    else if (told.version > file.version) Object.assign(file, { version: told.version, text });
+    showConnection();
+    if ("text" in reply || "error" in reply) onNews(reply);
+    else if (reply.version > file.version) Object.assign(file, { version: reply.version, text });
   } catch (error) {
-    tellConnection(error);
+    showConnection(error);
   }
   file.saving = undefined;
-  tellState();
+  showState();
 }
 
-/** The file has another version than the page has. */
+/** The version of the file differs from that of the page. */
 function onNews({ version, text, error }) {
   if (version === file.version) return;
   byId("live-conflict").hidden = true;
   file.error = error && new Error(error);
-  tellConnection();
+  showConnection();
   if (error !== undefined) {
-    // There is no file that could have this text.
+    // There is no file with this text.
     Object.assign(file, { version, text: undefined });
-    return void tellState();
+    return void showState();
   }
   const other = plain(text);
   const wasDirty = isDirty();
   const isOwn = other === file.saving || other === file.text;
   file.version = version;
-  // What the file has now; the page may have gone on.
+  // The present text of the file. The text of the page may be newer.
   file.text = other;
   if (!wasDirty) editor.replace(text);
   else if (!isOwn && isDirty()) {
     file.news = text;
     byId("live-conflict").hidden = false;
   }
-  tellState();
-  // A file of parameters may have changed with the same text.
+  showState();
+  // A file of parameters may have changed without a change of the text.
   if (!wasDirty || isOwn) run();
 }
 
@@ -155,22 +155,22 @@ async function listen() {
   let seen;
   document.addEventListener("visibilitychange", () => seen?.abort());
   for (;;) {
-    // A browser has few connections to one server: a page that nobody sees keeps none.
+    // A browser has few connections to one server: a hidden page uses none.
     while (document.hidden) await new Promise((resolve) => document.addEventListener("visibilitychange", resolve, { once: true }));
     seen = new AbortController();
     try {
-      const told = await ask(`file?after=${file.version}`, undefined, seen.signal);
-      tellConnection();
-      onNews(told);
+      const reply = await ask(`file?after=${file.version}`, undefined, seen.signal);
+      showConnection();
+      onNews(reply);
     } catch (error) {
       if (seen.signal.aborted) continue;
-      tellConnection(error);
+      showConnection(error);
       await new Promise((resolve) => setTimeout(resolve, AGAIN));
     }
   }
 }
 
-/** What puts these numbers at the path of a handle, and of those that are held together with it. */
+/** The change that writes these numbers at the path of a handle, and of the handles connected with it. */
 function changesOf(handle, numbers) {
   return [handle, ...(handle.others ?? [])].flatMap(({ path }) => {
     const node = nodeAt(editor.state, path);
@@ -183,14 +183,14 @@ function beginDrag() {
   file.beforeDrag = editor.text;
 }
 
-/** A drag is one step of the history: what was shown on the way is taken back first. */
+/** A drag is one step of the history: intermediate changes are undone first. */
 function endDrag(handle, numbers) {
   editor.replace(file.beforeDrag, false);
   if (numbers) editor.change(changesOf(handle, numbers));
 }
 
 document.body.classList.add("with-text");
-// Below the text, so that text and drawing stay in their places.
+// Below the text, so that text and drawing keep their positions.
 byId("live-text").after(byId("error"));
 byId("live-file").textContent = first.shown.split(/[\\/]/).pop();
 byId("live-file").title = first.shown;
@@ -204,18 +204,18 @@ for (const [id, command] of [["live-undo", CodeMirror.undo], ["live-redo", CodeM
 byId("live-take-theirs").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
   editor.replace(file.news);
-  tellState();
+  showState();
 });
 byId("live-keep-mine").addEventListener("click", () => {
   byId("live-conflict").hidden = true;
-  tellState();
+  showState();
 });
-// Keys in the text and on the sliders are not those of the drawing.
+// Keys in the text and on the sliders do not control the drawing.
 byId("live").addEventListener("keydown", (event) => event.stopPropagation());
 addEventListener("beforeunload", (event) => isDirty() && event.preventDefault());
 file.error = first.error && new Error(first.error);
-tellConnection();
+showConnection();
 apply(mechanism.data, first.notes, editor.text);
-tellState();
+showState();
 listen();
 mechanism.live = { editor, knobs, handles, runs, file };

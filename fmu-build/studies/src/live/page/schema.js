@@ -4,7 +4,7 @@ const schema = JSON.parse(byId("live-schema").textContent);
 /** Keys whose values name a part of the definition, with the key of these parts. */
 const NAMES = { body: "bodies", on: "bodies", stop: "stops" };
 
-/** A schema with what it refers to; of several kinds of value the one that is an object or a list. */
+/** A schema with resolved references. Of several kinds of value, the one that is an object or a list. */
 function resolved(part) {
   let [out, text] = [part, part?.description];
   for (let k = 0; out?.$ref && k < 8; k++) {
@@ -35,7 +35,7 @@ function points(root) {
   });
 }
 
-/** The text of a value to begin with. */
+/** The text of an initial value. */
 function template(part) {
   if (part.properties || part.additionalProperties) return "{}";
   if (part.items || part.prefixItems) return "[]";
@@ -55,7 +55,7 @@ function complete(context) {
   return null;
 }
 
-/** Whether a value is to be written here, and not a key. */
+/** Whether a value is expected here, and not a key. */
 const afterColon = (state, pos) => /:\s*$/.test(state.sliceDoc(Math.max(pos - 200, 0), pos));
 
 function completeKey(context, at) {
@@ -75,7 +75,7 @@ function completeKey(context, at) {
       label: `"${key}"`, displayLabel: key, type: "property", info: explained(of), boost: part.required?.includes(key) ? 5 : 0,
       apply: (view, _, from, to) => {
         const insert = `"${key}"${value}`;
-        // The cursor goes into the value.
+        // The cursor moves into the value.
         const inside = insert.length - (/[\]}"]$/.test(value) ? 1 : 0);
         view.dispatch({ changes: { from, to, insert }, selection: { anchor: from + inside } });
       },
@@ -100,7 +100,7 @@ function completeValue(context, at, property) {
   return { from: isText ? at.from : pos, to: isText ? at.to : pos, options, validFor: /^"?[\w.]*"?$/ };
 }
 
-/** The words of a schema, for a completion or a hover. */
+/** The description in a schema, for a completion or a hover. */
 function explained(part) {
   const words = [part?.description];
   if (part?.enum) words.push(`One of: ${part.enum.join(", ")}.`);

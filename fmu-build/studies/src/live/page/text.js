@@ -1,10 +1,10 @@
-// The text of the definition as a tree: where the value of a path stands, and what it is.
+// The text of the definition as a tree: places and values of paths.
 
 const { ensureSyntaxTree, syntaxTree } = CodeMirror;
-/** Longest time for which a text is parsed at once [ms]. */
+/** Longest time that a text is parsed at once [ms]. */
 const PARSED = 500;
 
-/** The value of an object's key, in the tree; undefined if there is none. */
+/** The value of an object's key in the tree. Undefined if there is none. */
 function member(state, object, key) {
   if (object?.name !== "Object") return undefined;
   for (const property of object.getChildren("Property")) {
@@ -28,7 +28,7 @@ function elements(list) {
   return all;
 }
 
-/** What stands at a node; undefined where that is no JSON. */
+/** The value at a node. Undefined if it is no JSON. */
 function read(state, node) {
   try {
     return node && JSON.parse(state.sliceDoc(node.from, node.to));
@@ -37,7 +37,7 @@ function read(state, node) {
   }
 }
 
-/** Keys of the objects around a place, from the outermost. */
+/** Keys of the objects around a place, starting with the outermost. */
 function pathOf(state, node) {
   const path = [];
   for (; node?.parent; node = node.parent) {

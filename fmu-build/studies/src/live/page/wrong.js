@@ -1,12 +1,12 @@
-// A text that gives no motion: the last good motion stays, greyed, under what the text gives.
+// A text without a motion: the last valid motion is shown in grey, below the drawing of the text.
 
-/** Data with the last good motion and what is wrong now. */
+/** Data with the last valid motion and the present faults. */
 function overGood(data, last) {
   const { error, findings, still, scene } = data;
   return { ...last, error, findings, still: still ?? undefined, wrong: still && { scene, poses: still.poses } };
 }
 
-/** Draw the bodies where the text puts them. */
+/** Draw the bodies at the positions of the text. */
 function drawWrong(drawing, { scene, poses }) {
   for (const body of scene.bodies) {
     if (body.points[0].frame === 0) continue;

@@ -1,6 +1,6 @@
 //! A canvas for one picture: lines, polygons, dots and words in pixels, with soft edges.
 //!
-//! In: shapes. Out: pixels. It must not know what they show.
+//! In: shapes. Out: pixels. The module must not know what they show.
 
 use anyhow::{Context, Result};
 use tiny_skia::{Color, FillRule, LineJoin, Paint, Path, PathBuilder, Pixmap, Stroke, Transform};
@@ -10,7 +10,7 @@ use ttf_parser::{Face, OutlineBuilder};
 pub type Point = [f64; 2];
 /// Red, green and blue.
 pub type Colour = [u8; 3];
-/// What is behind all.
+/// The background.
 pub const WHITE: Colour = [255; 3];
 
 /// Size of a picture [px].
@@ -22,19 +22,19 @@ pub struct Size {
     pub height: u16,
 }
 
-/// The font of all words: a machine may have none.
+/// The font of all texts, because a machine may have no font.
 pub struct Font(Face<'static>);
 
 impl Font {
     /// The font.
     ///
     /// # Errors
-    /// It cannot be read.
+    /// The font cannot be read.
     pub fn new() -> Result<Self> {
         Face::parse(epaint_default_fonts::UBUNTU_LIGHT, 0).map(Self).context("the font of the film cannot be read")
     }
 
-    /// Pixels for a unit of the font, whose letters are `size` pixels high.
+    /// Pixels per unit of the font for letters of the height `size` [px].
     fn scale(&self, size: f64) -> f64 {
         size / f64::from(self.0.height())
     }
@@ -46,7 +46,7 @@ impl Font {
     }
 }
 
-/// Outline of a letter at its place.
+/// Outline of a letter at its position.
 struct Letter {
     path: PathBuilder,
     left: f32,
@@ -86,7 +86,7 @@ impl OutlineBuilder for Letter {
     }
 }
 
-/// A picture that is being drawn.
+/// A picture in progress.
 pub struct Canvas<'a> {
     picture: Pixmap,
     font: &'a Font,
@@ -96,7 +96,7 @@ impl<'a> Canvas<'a> {
     /// A white picture.
     ///
     /// # Errors
-    /// It has no size.
+    /// The picture has no size.
     pub fn new(size: Size, font: &'a Font) -> Result<Self> {
         let mut picture = Pixmap::new(size.width.into(), size.height.into()).context("the picture has the size 0")?;
         picture.fill(Color::WHITE);
@@ -125,7 +125,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A text that begins or, if `is_right`, ends at a point at its upper edge; `size` [px].
+    /// A text that starts at a point, or ends there if `is_right`. The point is at its upper edge. `size` is in px.
     pub fn text(&mut self, text: &str, [x, y]: Point, size: f64, colour: Colour, is_right: bool) {
         let Font(face) = self.font;
         let scale = self.font.scale(size);
@@ -148,7 +148,7 @@ impl<'a> Canvas<'a> {
     /// Lines from point to point.
     pub fn polyline(&mut self, points: &[Point], width: f64, colour: Colour) {
         let stroke = Stroke { width: width as f32, line_join: LineJoin::Round, ..Stroke::default() };
-        // What has no extent leaves no trace.
+        // A shape without extent is not painted.
         if let Some(path) = path(points).finish() {
             self.picture.stroke_path(&path, &paint(colour), &stroke, Transform::identity(), None);
         }
@@ -190,7 +190,7 @@ fn path(points: &[Point]) -> PathBuilder {
     path
 }
 
-/// The point at this part of the way from the first point to the second.
+/// The point at this part of the distance from the first point to the second.
 pub fn between([x1, y1]: Point, [x2, y2]: Point, part: f64) -> Point {
     [x1 + (x2 - x1) * part, y1 + (y2 - y1) * part]
 }
@@ -200,7 +200,7 @@ pub fn distance([x1, y1]: Point, [x2, y2]: Point) -> f64 {
     (x2 - x1).hypot(y2 - y1)
 }
 
-/// Corners of the convex hull in order (Andrew 1979); two of points in a line, one of points at one place.
+/// Corners of the convex hull in order (Andrew 1979). Two corners for collinear points, one for coinciding points.
 pub fn hull(mut points: Vec<Point>) -> Vec<Point> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup_by(|a, b| distance(*a, *b) < 0.01);
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_hull_is_what_a_rubber_band_holds() {
+    fn the_hull_is_convex() {
         let square = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0], [1.0, 1.0], [1.0, 0.0]];
         assert_eq!(hull(square), [[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
         assert_eq!(hull(vec![[0.0, 0.0], [4.0, 2.0], [2.0, 1.0]]), [[0.0, 0.0], [4.0, 2.0]]);

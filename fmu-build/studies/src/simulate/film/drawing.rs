@@ -10,14 +10,14 @@ use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, Draw
 /// Width of all pictures, and bounds of their height [px].
 const WIDTH: u16 = 400;
 const HEIGHTS: [f64; 2] = [180.0, 360.0];
-/// Room above and below the mechanism for the name and the time and for the names of the bodies, and around it [px].
+/// Space above and below the mechanism for name, time and names of the bodies, and around it [px].
 const HEAD: f64 = 40.0;
 const FOOT: f64 = 24.0;
 const MARGIN: f64 = 22.0;
-/// Half the width of a body in sizes of the mechanism, and its bounds [px].
+/// Half the width of a body relative to the size of the mechanism, and its bounds [px].
 const HALF: f64 = 0.02;
 const HALVES: [f64; 2] = [2.6, 5.0];
-/// Colours of the bodies, those of the page of `cargo fmu view`.
+/// Colours of the bodies, as in the page of `cargo fmu view`.
 const BODIES: [Colour; 8] = [
     [0x3f, 0x7f, 0xc1],
     [0xd9, 0x83, 0x24],
@@ -28,8 +28,8 @@ const BODIES: [Colour; 8] = [
     [0x94, 0x81, 0x2f],
     [0x6d, 0x7f, 0x95],
 ];
-/// Colour of lines, joints and text; of the ground and of what is said beside; of drives; of springs; of markers and
-/// their paths.
+/// Colours of lines, joints and text; of the ground and secondary text; of drives; of springs; of markers and their
+/// paths.
 const INK: Colour = [38, 50, 56];
 const GROUND: Colour = [120, 130, 138];
 const DRIVE: Colour = [84, 96, 106];
@@ -37,24 +37,24 @@ const SPRING: Colour = [70, 130, 90];
 const MARKER: Colour = [200, 80, 60];
 const TRACE: Colour = [228, 168, 158];
 
-/// What stays the same in all pictures of a film.
+/// Common data of all pictures of a film.
 pub struct Drawing<'a> {
     name: &'a str,
     pace: &'a str,
     scene: &'a Scene,
     size: Size,
-    /// Pixels for 1 m, and place of the mechanism's origin [px].
+    /// Pixels per metre, and position of the mechanism's origin [px].
     scale: f64,
     origin: Point,
     /// Half the width of a body [px].
     half: f64,
     /// Paths of the markers [px].
     paths: Vec<Vec<Point>>,
-    /// Least and greatest position of each prismatic joint [m].
+    /// Smallest and largest position of each prismatic joint [m].
     slides: Vec<[f64; 2]>,
-    /// Least distance of the ends of each drive between two points [m].
+    /// Smallest distance of the ends of each drive between two points [m].
     barrels: Vec<f64>,
-    /// Digits of the time.
+    /// Number of digits of the time.
     digits: usize,
 }
 
@@ -79,14 +79,14 @@ fn position(poses: &[Pose], joint: &DrawnJoint, axis: Point) -> f64 {
 }
 
 impl<'a> Drawing<'a> {
-    /// The drawing of a film with these stills, of which there is one at least.
+    /// The drawing of a film with these stills, at least one.
     pub fn new(name: &'a str, pace: &'a str, scene: &'a Scene, stills: &[Still]) -> Self {
         let ends = scene.actuators.iter().chain(&scene.springs).flat_map(|connection| connection.ends.iter().flatten());
         let of_bodies = scene.bodies.iter().flat_map(|body| &body.points).map(|point| &point.on);
         let of_joints = scene.joints.iter().flat_map(|joint| [&joint.first, &joint.second]);
         let markers = scene.markers.iter().map(|marker| &marker.on);
         let edges = scene.surfaces.iter().filter_map(edges).flatten();
-        // Points of the ground are drawn where something is fixed to them.
+        // Points of the ground are drawn if something is attached to them.
         let moving = of_bodies.chain(markers).filter(|on| on.frame > 0);
         let outlines = scene.outlines.iter().flat_map(points_of);
         let points: Vec<On> = moving.chain(of_joints).chain(ends).copied().chain(edges).chain(outlines).collect();
@@ -169,7 +169,7 @@ impl<'a> Drawing<'a> {
     }
 }
 
-/// Ends of a surface that has a direction.
+/// Ends of a surface with a direction.
 fn edges(surface: &Surface) -> Option<[On; 2]> {
     let ([x, y], On { frame, at: [u, v] }) = (surface.half?, surface.middle);
     Some([On { frame, at: [u - x, v - y] }, On { frame, at: [u + x, v + y] }])
@@ -189,7 +189,7 @@ fn colour(frame: usize) -> Colour {
     BODIES[frame.saturating_sub(1) % BODIES.len()]
 }
 
-/// One picture that is being drawn.
+/// A picture in progress.
 struct Picture<'a> {
     drawing: &'a Drawing<'a>,
     canvas: Canvas<'a>,
@@ -266,9 +266,9 @@ impl Picture<'_> {
                 self.canvas.line(a, b, 1.6, GROUND);
                 continue;
             }
-            // The rail beside the block, on the right-hand side of the axis.
-            let beside = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
-            self.canvas.hatch(beside(a), beside(b), GROUND);
+            // The rail next to the block, on the right-hand side of the axis.
+            let offset = |[u, v]: Point| [u - 10.0 * y, v + 10.0 * x];
+            self.canvas.hatch(offset(a), offset(b), GROUND);
         }
     }
 
@@ -280,7 +280,7 @@ impl Picture<'_> {
         };
         match corners[..] {
             [] => {}
-            // The block of a prismatic joint stands for it.
+            // The block of a prismatic joint represents the body.
             [_] if self.drawing.scene.joints.iter().any(is_joined) => {}
             [center] => {
                 self.canvas.dot(center, 1.9 * half + 1.2, WHITE);
@@ -364,7 +364,7 @@ impl Picture<'_> {
         [a, b].into_iter().for_each(|end| self.canvas.dot(end, 2.6, SPRING));
     }
 
-    /// Name, time and pace above the mechanism, names of the bodies below.
+    /// Name, time and speed above the mechanism, names of the bodies below.
     fn words(&mut self, time: f64) {
         let Size { width, height } = self.drawing.size;
         let right = f64::from(width) - 10.0;

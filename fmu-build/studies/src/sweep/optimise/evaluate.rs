@@ -1,7 +1,7 @@
 //! Evaluations of designs: runs whose factors an optimiser chooses.
 //!
-//! In: points. Out: the responses of each, in the order of the points, whatever the threads. Each thread has a model of
-//! its own. It must not know what a design is worth.
+//! In: points. Out: the responses of each point, in the order of the points, for any number of threads. Each thread has
+//! a separate model. The module must not know the objective.
 
 use crate::sweep::chunk::run_one;
 use crate::sweep::run::{Runner, Task};
@@ -11,7 +11,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread;
 
-/// A run that was made.
+/// A completed run.
 #[derive(Clone, Debug)]
 pub struct Evaluation {
     /// Values of the factors.
@@ -20,27 +20,27 @@ pub struct Evaluation {
     pub responses: Vec<f64>,
     /// Whether the run failed.
     pub is_failure: bool,
-    /// What is unusual about the run, or why it failed; empty mostly.
+    /// A remark about the run, or the reason of its failure. Usually empty.
     pub message: String,
 }
 
-/// Models that make runs, one for each thread.
+/// Models for the runs, one per thread.
 pub struct Evaluator<'a> {
     runners: Vec<Runner<'a>>,
     columns: usize,
 }
 
 impl<'a> Evaluator<'a> {
-    /// Models for so many threads.
+    /// Models for this number of threads.
     ///
     /// # Errors
-    /// The model refuses a value that all runs share.
+    /// The model rejects a common value of all runs.
     pub fn new(task: &'a Task, model: &Component, threads: usize) -> Result<Self> {
         let runners = (0..threads.max(1)).map(|_| Runner::new(task, model.clone())).collect::<Result<_>>()?;
         Ok(Self { runners, columns: task.responses.columns.len() })
     }
 
-    /// Make these runs; none if the user wishes to stop before their end.
+    /// Make these runs. None if the user stops the search.
     pub fn evaluate(&mut self, points: &[Vec<f64>], stop_wish: &AtomicBool) -> Option<Vec<Evaluation>> {
         let (next, columns) = (AtomicUsize::new(0), self.columns);
         let done = Mutex::new(vec![None; points.len()]);
@@ -67,7 +67,7 @@ impl<'a> Evaluator<'a> {
     }
 }
 
-/// The next point that no thread has taken yet; none once the user wishes to stop.
+/// The next point for a thread. None when the user stops the search.
 fn next_of<'p>(points: &'p [Vec<f64>], next: &AtomicUsize, stop_wish: &AtomicBool) -> Option<(usize, &'p Vec<f64>)> {
     if stop_wish.load(Ordering::Relaxed) {
         return None;

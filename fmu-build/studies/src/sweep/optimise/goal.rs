@@ -1,7 +1,7 @@
-//! What an optimisation looks for: an objective and limits of responses.
+//! The goal of an optimisation: an objective and limits of responses.
 //!
-//! In: the responses of a run. Out: a number that is to be small, and how far each limit is broken. It must not know
-//! how designs are chosen.
+//! In: the responses of a run. Out: a cost to minimise, and the excess over each limit. The module must not know how
+//! designs are chosen.
 
 use crate::sweep::definition::{Definition, Objective};
 use anyhow::{Result, bail};
@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 struct Limit {
     name: String,
     column: usize,
-    /// 1: at most this; -1: at least this.
+    /// 1: the limit is the largest value. -1: the limit is the smallest value.
     sign: f64,
     value: f64,
 }
@@ -23,28 +23,29 @@ struct Limit {
 pub struct Goal {
     name: String,
     column: usize,
-    /// 1: the objective is made small; -1: large.
+    /// 1: the objective is minimised. -1: it is maximised.
     sign: f64,
     limits: Vec<Limit>,
 }
 
-/// What a run is worth.
+/// Value of a run for the optimiser.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Worth {
-    /// To be made small: the objective, with its sign turned if it is to be large.
+    /// Cost to minimise: the objective, with the opposite sign if it is maximised.
     pub cost: f64,
-    /// Of each limit how far it is broken, > 0, or kept, relative to its size; absolute for the limit 0.
+    /// For each limit the excess, which is > 0 if the limit is violated. It is relative to the limit, or absolute for
+    /// the limit 0.
     pub excess: Vec<f64>,
 }
 
 impl Worth {
-    /// Largest excess over a limit; 0 if all are kept.
+    /// Largest excess over a limit. 0 if all limits are satisfied.
     pub fn violation(&self) -> f64 {
         self.excess.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Whether this design is to be preferred: all limits kept and the cost less, or all limits kept there and not
-    /// here. Among designs that break limits the one is preferred whose largest excess is less.
+    /// Whether this design is better: both satisfy all limits and its cost is smaller, or only it satisfies all limits.
+    /// If both violate limits, the design with the smaller largest excess is better.
     pub fn is_better(&self, other: &Self) -> bool {
         let (own, others) = (self.violation(), other.violation());
         if own == 0.0 && others == 0.0 { self.cost < other.cost } else { own < others }
@@ -52,10 +53,10 @@ impl Worth {
 }
 
 impl Goal {
-    /// The goal that a study states for responses with these columns.
+    /// The goal of a study for responses with these columns.
     ///
     /// # Errors
-    /// There is no objective; a name that no column has; a limit that is missing, not finite, or beyond the other one.
+    /// There is no objective; a name is no column; a limit is missing, not finite, or beyond the other limit.
     pub fn new(study: &Definition, columns: &[String]) -> Result<Self> {
         let find = |key: &str, name: &str| match columns.iter().position(|column| column == name) {
             Some(column) => Ok(column),
@@ -98,7 +99,7 @@ impl Goal {
         self.limits.len()
     }
 
-    /// What a run with these responses is worth; none if the objective or what is limited has no value.
+    /// Value of a run with these responses. None if the objective or a limited response has no value.
     pub fn worth(&self, responses: &[f64]) -> Option<Worth> {
         let cost = self.sign * responses[self.column];
         let excess = self.limits.iter().map(|limit| {
@@ -110,18 +111,18 @@ impl Goal {
         is_defined.then_some(Worth { cost, excess })
     }
 
-    /// The objective of these responses in words.
-    pub fn told(&self, responses: &[f64]) -> String {
+    /// The objective of these responses as text.
+    pub fn described(&self, responses: &[f64]) -> String {
         format!("{} = {}", self.name, Decimal(responses[self.column]))
     }
 
-    /// The limits with the values that these responses have there.
-    pub fn limits_told(&self, responses: &[f64]) -> Value {
-        let told = |limit: &Limit| {
+    /// The limits with the values of these responses.
+    pub fn limits_with_values(&self, responses: &[f64]) -> Value {
+        let described_limit = |limit: &Limit| {
             let what = if limit.sign > 0.0 { "at_most" } else { "at_least" };
             json!({ "response": limit.name, what: limit.value, "value": responses[limit.column] })
         };
-        self.limits.iter().map(told).collect()
+        self.limits.iter().map(described_limit).collect()
     }
 }
 
@@ -137,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_design_that_keeps_its_limits_is_preferred() {
+    fn a_design_within_its_limits_is_preferred() {
         let goal =
             goal(r#""objective": { "maximise": "r" }, "constraints": { "s": { "at_least": -1, "at_most": 4 } }"#)
                 .unwrap();
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn wrong_entries_are_errors_with_their_key() {
         for (rest, said) in [
             (r#""search": { "evaluations": 9 }"#, "objective: is missing"),
             (r#""objective": {}"#, "exactly one of"),

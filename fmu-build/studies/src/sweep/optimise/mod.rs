@@ -1,8 +1,8 @@
-//! `cargo fmu optimise`: the best design of a mechanism, as a study states it.
+//! `cargo fmu optimise`: the best design of a mechanism according to a study.
 //!
-//! In: a study whose factors have bounds, an objective, limits of responses. Out: the definition with the best values
-//! found, what it is worth beside the present one, and all evaluations. The optimiser only asks; what was evaluated,
-//! and which of it is best, is kept here, so that a search that is ended gives the best so far.
+//! In: a study whose factors have bounds, an objective, limits of responses. Out: the definition with the best values,
+//! its responses compared with the present ones, and all evaluations. The optimiser only requests points. This module
+//! stores the evaluations and the best design, so that an ended search returns the best design up to then.
 
 mod evaluate;
 mod goal;
@@ -31,16 +31,16 @@ use optimiser::{Optimiser, Problem, Said};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Names of the results in the folder of the output; the definition keeps the name of its kind.
+/// Names of the result files in the output folder. The definition has the name of its kind.
 const PARQUET: &str = "evaluations.parquet";
 const CSV: &str = "evaluations.csv";
 const SUMMARY: &str = "optimum.json";
 const PICTURE: &str = "designs.svg";
 /// Column with the largest excess over a limit, relative to the limit.
 const VIOLATION: &str = "violation";
-/// Evaluations for each factor where the study does not say.
+/// Default number of evaluations per factor.
 const FOR_EACH: u64 = 500;
-/// Fewest and most evaluations of a search.
+/// Smallest and largest number of evaluations of a search.
 const BUDGET: std::ops::RangeInclusive<u64> = 20..=1_000_000;
 /// Width of the picture of one design [px].
 const WIDTH: f64 = 600.0;
@@ -51,7 +51,7 @@ struct Space {
 }
 
 impl Space {
-    /// Values of the factors at a point of the unit cube; the ends exactly.
+    /// Values of the factors at a point of the unit cube. The ends are exact.
     fn values(&self, point: &[f64]) -> Vec<f64> {
         let value = |([least, largest], part): (&[f64; 2], &f64)| match part {
             part if *part <= 0.0 => *least,
@@ -72,7 +72,7 @@ impl Space {
     }
 }
 
-/// Everything that was evaluated; the first is the mechanism as it is.
+/// All evaluations. The first one is the present mechanism.
 #[derive(Default)]
 struct Found {
     all: Vec<(Evaluation, Option<Worth>)>,
@@ -95,8 +95,8 @@ impl Found {
 /// Search for the best design of a study and write it.
 ///
 /// # Errors
-/// What is wrong with the study; Python's environment cannot be made; no run gave a value of the objective; a file
-/// cannot be written.
+/// A fault of the study; the Python environment cannot be created; no run gave a value of the objective; a file cannot
+/// be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -> Result<Outcome> {
     let stated = Stated::read(workspace, &arguments.study)?;
     let shown = arguments.study.display();
@@ -111,7 +111,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     if !BUDGET.contains(&evaluations) {
         bail!("{shown}: search.evaluations = {evaluations}: must be from {} to {}", BUDGET.start(), BUDGET.end());
     }
-    // Values that all runs share are refused before the optimiser starts.
+    // Invalid common values are rejected before the optimiser starts.
     Runner::new(&task, stated.component.clone()).with_context(at)?;
     let out = arguments
         .out
@@ -142,7 +142,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     let why = why.unwrap_or_else(|| "stopped by the user".to_owned());
     let summary = made.summary(best, (&space, seed, &why), &problem);
     files::replace(&out.join(SUMMARY), serde_json::to_string_pretty(&summary)?.as_bytes())?;
-    made.tell(best, &why, &out);
+    made.print(best, &why, &out);
     if arguments.page {
         let name = arguments.study.file_stem().unwrap_or_default().to_string_lossy();
         page::draw(workspace, (&name, &stated.definition), (&columns, factors.len()), (&out, PARQUET))?;
@@ -151,7 +151,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     Ok(outcome)
 }
 
-/// Factors, responses, and by how much limits are exceeded.
+/// Factors, responses, and the excess over limits.
 fn columns_of(task: &Task) -> Result<Vec<Column>> {
     let mut all = columns(task)?;
     if all.iter().any(|column| column.name == VIOLATION) {
@@ -161,7 +161,8 @@ fn columns_of(task: &Task) -> Result<Vec<Column>> {
     Ok(all)
 }
 
-/// Evaluate the present design and what the optimiser asks for; why it ended, or none if the user ended it.
+/// Evaluate the present design and the points of the optimiser. Returns the reason for the end, or none if the user
+/// ended the search.
 fn look(
     workspace: &Workspace,
     task: &Task,
@@ -201,12 +202,12 @@ fn look(
             found.add(evaluation, worth, true);
         }
         if let Some(best) = found.best {
-            bar.tell(format!(", best {}", goal.told(&found.all[best].0.responses)));
+            bar.show(format!(", best {}", goal.described(&found.all[best].0.responses)));
         }
     }
 }
 
-/// Write all evaluations in the order in which they were asked for.
+/// Write all evaluations in the order of the requests.
 fn write_table(out: &Path, with_csv: bool, (columns, seed): (&[Column], u64), found: &Found) -> Result<()> {
     let mut parquet = Partial::<Parquet>::begin(&out.join(PARQUET), columns, Some(seed))?;
     let mut csv = with_csv.then(|| Partial::<Csv>::begin(&out.join(CSV), columns, Some(seed))).transpose()?;
@@ -222,7 +223,7 @@ fn write_table(out: &Path, with_csv: bool, (columns, seed): (&[Column], u64), fo
     csv.map_or(Ok(()), Partial::end)
 }
 
-/// What was made, and of what.
+/// The results with the data from which they were computed.
 struct Made<'a> {
     stated: &'a Stated,
     task: &'a Task,
@@ -231,7 +232,7 @@ struct Made<'a> {
 }
 
 impl Made<'_> {
-    /// One design with what it is worth.
+    /// One design with its responses.
     fn design(&self, index: usize) -> Value {
         let (evaluation, worth) = &self.found.all[index];
         let named = |names: &mut dyn Iterator<Item = &str>, values: &[f64]| -> Value {
@@ -241,7 +242,7 @@ impl Made<'_> {
             "evaluation": index,
             "factors": named(&mut self.task.factors.iter().map(|factor| &*factor.name), &evaluation.point),
             "responses": named(&mut self.task.responses.columns.iter().map(String::as_str), &evaluation.responses),
-            "constraints": self.goal.limits_told(&evaluation.responses),
+            "constraints": self.goal.limits_with_values(&evaluation.responses),
             "violation": worth.as_ref().map(Worth::violation),
             "failed": evaluation.is_failure,
             "message": evaluation.message,
@@ -264,9 +265,9 @@ impl Made<'_> {
     }
 
     /// Print the outcome.
-    fn tell(&self, best: usize, why: &str, out: &Path) {
+    fn print(&self, best: usize, why: &str, out: &Path) {
         let worth = self.found.all[best].1.as_ref().map_or(f64::NAN, Worth::violation);
-        let told = |index: usize| self.goal.told(&self.found.all[index].0.responses);
+        let objective = |index: usize| self.goal.described(&self.found.all[index].0.responses);
         eprintln!("{why}; {} evaluations", self.found.all.len() - 1);
         if worth > 0.0 {
             eprintln!(
@@ -274,7 +275,7 @@ impl Made<'_> {
                 100.0 * worth
             );
         }
-        eprintln!("original design: {}; best design: {}", told(0), told(best));
+        eprintln!("original design: {}; best design: {}", objective(0), objective(best));
         for (factor, value) in self.task.factors.iter().zip(&self.found.all[best].0.point) {
             eprintln!("  {} = {value}", factor.name);
         }
@@ -301,7 +302,7 @@ fn write_design(made: &Made, best: usize, out: &Path) -> Result<()> {
     Ok(())
 }
 
-/// What there is to be drawn of a mechanism, and where it is at its start; none of another model.
+/// Scene and start poses of a mechanism. None for another model.
 fn placed(component: &Component) -> Option<(Scene, Vec<Pose>)> {
     let Component::Mechanism(model) = component else { return None };
     let mut model = model.clone();

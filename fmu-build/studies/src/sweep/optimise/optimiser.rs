@@ -1,7 +1,7 @@
-//! The optimiser: a program in Python that asks for designs, answered here.
+//! The optimiser: a Python program that requests evaluations of designs.
 //!
-//! In: number of factors and limits, a start, a budget, a seed. Out: points of the unit cube to be evaluated. Lines of
-//! JSON go both ways. It must not know what the factors are.
+//! In: number of factors and limits, a start, a budget, a seed. Out: points of the unit cube to evaluate. Both sides
+//! exchange lines of JSON. The module must not know what the factors are.
 
 use super::goal::Worth;
 use anyhow::{Context, Result, bail};
@@ -12,34 +12,34 @@ use serde_json::json;
 use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 
-/// The program, and what it needs.
+/// The Python program.
 const PROGRAM: &str = "optimise.py";
 const REQUIREMENTS: &str = "study.txt";
 
-/// What the optimiser is told at its beginning.
+/// The problem, which is sent to the optimiser at its start.
 #[derive(Clone, Debug)]
 pub struct Problem {
     /// Number of limits.
     pub limits: usize,
-    /// Point of the unit cube to begin with.
+    /// Start point in the unit cube.
     pub start: Vec<f64>,
-    /// Most evaluations.
+    /// Largest number of evaluations.
     pub evaluations: u64,
-    /// Seed of its random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
-/// What the optimiser says.
+/// A message of the optimiser.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Said {
     /// Evaluate these points of the unit cube.
     Points(Vec<Vec<f64>>),
-    /// The search is over, and why.
+    /// The search has ended, with this reason.
     End(String),
 }
 
-/// The program as it runs; it ends when this is dropped.
+/// The running program. It ends when this value is dropped.
 pub struct Optimiser {
     child: Child,
     input: ChildStdin,
@@ -50,7 +50,7 @@ impl Optimiser {
     /// Start the program.
     ///
     /// # Errors
-    /// Python's environment cannot be made; the program cannot be started.
+    /// The Python environment cannot be created, or the program cannot be started.
     pub fn start(workspace: &Workspace, problem: &Problem) -> Result<Self> {
         let scripts = workspace.python_scripts();
         let python = command::environment(&workspace.target("venv-study"), &scripts.join(REQUIREMENTS))?;
@@ -62,14 +62,14 @@ impl Optimiser {
         };
         let mut own = Self { child, input, output: BufReader::new(output) };
         let Problem { limits, start, evaluations, seed } = problem;
-        own.tell(&json!({ "limits": limits, "start": start, "evaluations": evaluations, "seed": seed }))?;
+        own.send(&json!({ "limits": limits, "start": start, "evaluations": evaluations, "seed": seed }))?;
         Ok(own)
     }
 
-    /// The next thing that the program says.
+    /// The next message of the program.
     ///
     /// # Errors
-    /// The program has ended before its time, or says what is no answer.
+    /// The program has ended early, or its message is invalid.
     pub fn next(&mut self) -> Result<Said> {
         let mut line = String::new();
         let length =
@@ -80,17 +80,17 @@ impl Optimiser {
         serde_json::from_str(&line).with_context(|| format!("{PROGRAM} printed a line that is not a valid answer"))
     }
 
-    /// Answer with what the points are worth; none for a run that failed.
+    /// Send the values of the points. None stands for a failed run.
     ///
     /// # Errors
-    /// The program has ended before its time.
+    /// The program has ended early.
     pub fn answer(&mut self, worth: &[Option<Worth>]) -> Result<()> {
         let costs: Vec<Option<f64>> = worth.iter().map(|worth| Some(worth.as_ref()?.cost)).collect();
         let excess: Vec<Option<&[f64]>> = worth.iter().map(|worth| Some(&*worth.as_ref()?.excess)).collect();
-        self.tell(&json!({ "costs": costs, "excess": excess }))
+        self.send(&json!({ "costs": costs, "excess": excess }))
     }
 
-    fn tell(&mut self, line: &serde_json::Value) -> Result<()> {
+    fn send(&mut self, line: &serde_json::Value) -> Result<()> {
         let written = writeln!(self.input, "{line}").and_then(|()| self.input.flush());
         written.with_context(|| format!("{PROGRAM} ended early; the messages above state the reason"))
     }
@@ -98,7 +98,7 @@ impl Optimiser {
 
 impl Drop for Optimiser {
     fn drop(&mut self) {
-        // One that has ended by itself is only waited for.
+        // For a program that has ended, this only waits.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
