@@ -118,9 +118,10 @@ impl<'a> Interface<'a> {
         all
     }
 
-    /// Nominal value of a variable. For a continuous state this is the value that the model returns to its host.
+    /// Nominal value of a variable. For an output that is a continuous state, this is the value that the model returns
+    /// to its host.
     pub fn nominal(&self, reference: Reference, variable: &Variable) -> Option<f64> {
-        let state = self.states().position(|(state, _)| state == reference);
+        let state = self.states().position(|(state, _)| state == reference).filter(|_| variable.is_output());
         let of_state = state.and_then(|index| Some(self.state_nominals?[index]));
         of_state.or_else(|| self.sizes.nominal(variable))
     }
@@ -149,7 +150,9 @@ impl<'a> Interface<'a> {
         {
             attributes.push(("derivative", (of + first).to_string()));
         }
-        if self.states().any(|(state, _)| state == reference) {
+        if let Some(index) = self.states().position(|(state, _)| state == reference) {
+            let nominals = self.state_nominals.filter(|_| !self.variables[reference as usize].is_output());
+            attributes.extend(nominals.map(|nominals| ("nominal", number(nominals[index]))));
             attributes.push(("reinit", "true".to_owned()));
         }
         attributes
