@@ -25,6 +25,7 @@ mod snapshot;
 mod step;
 mod tables;
 mod values;
+pub use crate::mechanism::MOST_STATES;
 pub use linearise::{Linearisation, Linearised};
 use outermost::outermost_keys;
 
@@ -248,6 +249,14 @@ impl Component {
     pub fn has_hydraulics(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_hydraulics(),
+            Self::Hydraulic(_) => true,
+        }
+    }
+
+    /// Whether the model has other states than position and speed: with hydraulics or an integral part of a controller.
+    pub fn has_more_states(&self) -> bool {
+        match self {
+            Self::Mechanism(model) => model.has_hydraulics() || model.state_count() > 2,
             Self::Hydraulic(_) => true,
         }
     }

@@ -1,4 +1,5 @@
-//! The shared libraries of the FMUs: one for mechanisms without hydraulics, one for all other models.
+//! The shared libraries of the FMUs: one for mechanisms without hydraulics and integral parts of controllers, one for
+//! all other models.
 
 pub mod served;
 pub mod sources;

@@ -1,7 +1,7 @@
 //! Model exchange: the functions of a component for the solver of a host.
 //!
 //! In: trial states of the solver. Out: derivatives, event indicators, pending transitions. Must not know: any law.
-use super::{Component, NoValue, Refused};
+use super::{Component, MOST_STATES, NoValue, Refused};
 use crate::mechanism;
 use crate::variables::{ContinuousTime, Reference};
 
@@ -11,6 +11,14 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.continuous_time(),
             Self::Hydraulic(_) => None,
+        }
+    }
+
+    /// Number of the continuous states; 0 if the model is for co-simulation only.
+    pub fn state_count(&self) -> usize {
+        match self {
+            Self::Mechanism(model) => model.state_count(),
+            Self::Hydraulic(_) => 0,
         }
     }
 
@@ -41,21 +49,22 @@ impl Component {
         }
     }
 
-    /// The continuous states. Error: the present parameters allow no start.
-    pub fn continuous_states(&mut self) -> Result<[f64; 2], Refused> {
+    /// The continuous states: [`Self::state_count`] numbers, then zeros. Error: the present parameters allow no start.
+    pub fn continuous_states(&mut self) -> Result<[f64; MOST_STATES], Refused> {
         Ok(self.exchange_model()?.continuous_states()?)
     }
 
     /// Nominal values of the continuous states. Error: as [`Self::continuous_states`].
-    pub fn nominals(&mut self) -> Result<[f64; 2], Refused> {
+    pub fn nominals(&mut self) -> Result<[f64; MOST_STATES], Refused> {
         Ok(self.exchange_model()?.nominals()?)
     }
 
-    /// Sets trial states of the host's solver.
+    /// Sets trial states of the host's solver: position, speed, then integral parts. Integral parts that are not given
+    /// keep their values.
     ///
     /// # Errors
     /// A state that is not finite, or a position that the mechanism does not have. Nothing has changed.
-    pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), NoValue> {
         Ok(self.exchange_model().map_err(NoValue::Refused)?.set_continuous_states(states)?)
     }
 
@@ -63,7 +72,7 @@ impl Component {
     ///
     /// # Errors
     /// The derivatives do not exist in this state.
-    pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
+    pub fn derivatives(&mut self) -> Result<[f64; MOST_STATES], NoValue> {
         Ok(self.exchange_model().map_err(NoValue::Refused)?.derivatives()?)
     }
 

@@ -8,6 +8,7 @@ use super::phase::Phase;
 use super::refusal::Refusal;
 use super::resources::Loaded;
 use super::usage::Usage;
+use crate::component::MOST_STATES;
 use crate::numerics::decimal::Decimal;
 use std::mem::MaybeUninit;
 
@@ -64,7 +65,7 @@ impl Instance {
     /// Number of continuous states.
     pub fn state_count(&self) -> Result<usize, Refusal> {
         self.exchanges()?;
-        Ok(self.component.continuous_time().map_or(0, |all| all.states.len()))
+        Ok(self.component.state_count())
     }
 
     /// Number of event indicators.
@@ -81,14 +82,14 @@ impl Instance {
     /// Sets trial states of the host's solver. The verdict is discard if the mechanism has no such position.
     pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), Refusal> {
         self.exchanges()?;
-        same_length("states", states.len(), 2)?;
-        Ok(self.component.set_continuous_states([states[0], states[1]])?)
+        same_length("states", states.len(), self.component.state_count())?;
+        Ok(self.component.set_continuous_states(states)?)
     }
 
     /// Returns the continuous states.
     pub fn continuous_states(&mut self, states: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
-        same_length("states", states.len(), 2)?;
+        same_length("states", states.len(), self.component.state_count())?;
         fill(states, self.component.continuous_states()?);
         Ok(())
     }
@@ -96,7 +97,7 @@ impl Instance {
     /// Nominal values of the continuous states.
     pub fn nominals(&mut self, nominals: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
-        same_length("nominal values", nominals.len(), 2)?;
+        same_length("nominal values", nominals.len(), self.component.state_count())?;
         fill(nominals, self.component.nominals()?);
         Ok(())
     }
@@ -104,7 +105,7 @@ impl Instance {
     /// Time derivatives of the continuous states. The verdict is discard if they do not exist.
     pub fn derivatives(&mut self, derivatives: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         self.exchanges()?;
-        same_length("derivatives", derivatives.len(), 2)?;
+        same_length("derivatives", derivatives.len(), self.component.state_count())?;
         fill(derivatives, self.component.derivatives()?);
         Ok(())
     }
@@ -132,6 +133,6 @@ impl Instance {
     }
 }
 
-fn fill(values: &mut [MaybeUninit<f64>], numbers: [f64; 2]) {
+fn fill(values: &mut [MaybeUninit<f64>], numbers: [f64; MOST_STATES]) {
     values.iter_mut().zip(numbers).for_each(|(value, number)| _ = value.write(number));
 }

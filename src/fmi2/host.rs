@@ -140,6 +140,11 @@ impl Description {
         self.component.indicators().len()
     }
 
+    /// Number of continuous states of model exchange.
+    pub fn state_count(&self) -> usize {
+        self.component.state_count()
+    }
+
     /// New instance named `gear`, for co-simulation.
     ///
     /// # Errors

@@ -19,7 +19,7 @@ pub use dense::Dense;
 pub use root::Direction;
 pub use statistics::{Method, Statistics};
 pub use step::Step;
-pub use system::{IntegrationError, System};
+pub use system::{IntegrationError, System, differences};
 
 /// Span [s] in which no state changes by more than its rounding error. The span is far below any time in nature. Powers
 /// of a shorter span underflow.

@@ -49,20 +49,30 @@ pub trait System<const N: usize> {
     /// df/dy: row i is the gradient of f_i. The default uses one-sided differences. A system that can be stiff should
     /// return exact derivatives, with which Newton's method converges faster.
     fn jacobian(&mut self, t: f64, y: &[f64; N]) -> [[f64; N]; N] {
-        let f = self.derivative(t, y);
-        let scale = self.scale(y, &f);
-        let mut rows = [[0.0; N]; N];
-        for j in 0..N {
-            let mut shifted = *y;
-            shifted[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
-            let width = shifted[j] - y[j];
-            let g = self.derivative(t, &shifted);
-            for i in 0..N {
-                rows[i][j] = (g[i] - f[i]) / width;
-            }
-        }
-        rows
+        differences(self, t, y, 0..N)
     }
+}
+
+/// df/dy along some components by one-sided differences; 0 along the others.
+pub fn differences<S: System<N> + ?Sized, const N: usize>(
+    system: &mut S,
+    t: f64,
+    y: &[f64; N],
+    components: impl Iterator<Item = usize>,
+) -> [[f64; N]; N] {
+    let f = system.derivative(t, y);
+    let scale = system.scale(y, &f);
+    let mut rows = [[0.0; N]; N];
+    for j in components {
+        let mut shifted = *y;
+        shifted[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
+        let width = shifted[j] - y[j];
+        let g = system.derivative(t, &shifted);
+        for (row, (g, f)) in rows.iter_mut().zip(g.iter().zip(&f)) {
+            row[j] = (g - f) / width;
+        }
+    }
+    rows
 }
 
 /// Reason why an integration stopped.

@@ -22,6 +22,7 @@ mod snapshot;
 mod warnings;
 
 pub use crate::integrator::Statistics;
+pub use definition::MOST_STATES;
 pub use error::ModelError;
 pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
 pub use motion::allow_hydraulics;

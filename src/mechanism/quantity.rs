@@ -59,6 +59,12 @@ pub enum Indicator {
     Lock(usize),
     /// The sign of the speed, where drives have an efficiency or joints have friction.
     Reversal,
+    /// The slip in a joint with friction that sticks, or in a coupling with losses, for each unit of sigma, by its
+    /// index among the joints with friction: where it changes its sign, the friction jumps while the mechanism moves.
+    Turn(usize),
+    /// What is missing for setting off from rest, where drives with an efficiency or friction hold the mechanism and a
+    /// controller has an integral part.
+    Breakaway,
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
     /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the
@@ -107,6 +113,9 @@ pub enum Output {
     /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its
     /// prescribed motion takes.
     ActingForce { drive: usize },
+    /// Integral part of the force of a controlled drive, or its rate. In model exchange the former is a continuous
+    /// state.
+    Integral { drive: usize, order: usize },
     /// Force or torque of a spring and damper.
     SpringForce { spring: usize },
     /// Position of a marker along the axis 0 for x or 1 for y.

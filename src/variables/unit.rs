@@ -34,13 +34,16 @@ pub enum Unit {
     CubicMetrePerSecondPascal,
     Watt,
     NewtonPerSecond,
+    NewtonMetrePerSecond,
+    NewtonPerMetreSecond,
+    NewtonMetrePerRadianSecond,
     NewtonSecond,
     KilogramSquareMetrePerSecond,
 }
 
 impl Unit {
     /// All units.
-    pub const ALL: [Self; 31] = [
+    pub const ALL: [Self; 34] = [
         Self::One,
         Self::Radian,
         Self::RadianPerSecond,
@@ -70,6 +73,9 @@ impl Unit {
         Self::CubicMetrePerSecondPascal,
         Self::Watt,
         Self::NewtonPerSecond,
+        Self::NewtonMetrePerSecond,
+        Self::NewtonPerMetreSecond,
+        Self::NewtonMetrePerRadianSecond,
         Self::NewtonSecond,
         Self::KilogramSquareMetrePerSecond,
     ];
@@ -107,6 +113,9 @@ impl Unit {
             Self::CubicMetrePerSecondPascal => ("m3/(s.Pa)", [-1, 4, 1, 0]), // flow per pressure
             Self::Watt => ("W", [1, 2, -3, 0]),        // power
             Self::NewtonPerSecond => ("N/s", [1, 1, -3, 0]), // rate of a force
+            Self::NewtonMetrePerSecond => ("N.m/s", [1, 2, -3, 0]), // rate of a torque
+            Self::NewtonPerMetreSecond => ("N/(m.s)", [1, 0, -3, 0]), // integral gain
+            Self::NewtonMetrePerRadianSecond => ("N.m/(rad.s)", [1, 2, -3, -1]), // integral gain of a torque
             Self::NewtonSecond => ("N.s", [1, 1, -1, 0]), // impulse
             Self::KilogramSquareMetrePerSecond => ("kg.m2/s", [1, 2, -1, 0]), // angular impulse
         }

@@ -175,6 +175,37 @@ fn nor_does_a_mechanism_with_a_hydraulic_circuit() {
     }
 }
 
+/// A controller with an integral part, which static friction holds at times.
+#[test]
+fn nor_does_an_integral_part() {
+    let folder = host::Folder::new("integrating");
+    let description = folder.described(include_str!("../fixtures/integrating_drive.json"));
+    let h = 0.05;
+    let drive = description.instantiate(None, false).unwrap();
+    assert_eq!(drive.initialize(), Status::Ok);
+    let reals = reals(&description);
+    let mut values = vec![0.0; reals.len()];
+    let (command, speed) = (drive.reference("motor.command"), drive.reference("slide.speed"));
+    let (mut state, mut derivatives, mut seen) = (State::NONE, [0.0], [0, 0]);
+    let exchange = |n: i32| {
+        let t = f64::from(n) * h;
+        assert_eq!(drive.save_into(&mut state), Status::Ok);
+        assert_eq!(drive.set_reals(&[command], &[0.2 * t.sin()]), Status::Ok);
+        assert_eq!(drive.set_rates(command, &[0.2 * t.cos(), 0.0]), Status::Ok);
+        assert_eq!(drive.step(t, h), Status::Ok);
+        let force = drive.reference("motor.acting_force");
+        assert_eq!(drive.derivatives(&[force], command, &mut derivatives), Status::Ok);
+        assert_eq!(drive.reals(&reals, &mut values), Status::Ok);
+        assert_eq!(drive.restore(&state), Status::Ok);
+        assert_eq!(drive.step(t, h), Status::Ok);
+        assert_eq!(drive.reals(&[speed], &mut derivatives), Status::Ok);
+        seen[usize::from(derivatives[0] == 0.0)] += 1;
+    };
+    assert_allocates_nothing(&drive, exchange, "integral part");
+    assert!(seen[0] > 0 && seen[1] > 0, "{seen:?}");
+    assert_eq!(drive.free(&mut state), Status::Ok);
+}
+
 /// Saving and restoring a state in every step needs no evaluation, no additional integration step, and one small block
 /// of memory. Together with the test above these are all its costs. `cargo fmu bench` measures the times.
 #[test]

@@ -37,6 +37,7 @@ mod hydraulic_network;
 mod hydraulic_pair;
 mod impacts;
 mod input_derivatives;
+mod integral_control;
 mod interface;
 mod interpolation;
 mod joint_elements;

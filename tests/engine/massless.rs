@@ -246,9 +246,9 @@ fn the_travel_has_the_influence_coefficients_of_the_closed_form() {
         let mut run = Run::new(definition);
         run.serve_travel().unwrap();
         run.initialize();
-        let [x, _] = run.continuous_states().unwrap();
+        let [x, ..] = run.continuous_states().unwrap();
         for k in 0..40 {
-            run.set_continuous_states([x + 0.01 * f64::from(k), 1.0]).unwrap();
+            run.set_continuous_states(&[x + 0.01 * f64::from(k), 1.0]).unwrap();
             let [_, rocker] = two_circles([0.1, 0.04, 0.12, 0.08], run.get("crank.angle"), 1.0);
             let [by, of] = ["crank.angle", "rocker.angle"].map(|name| run.derivative(name));
             assert_near(of / by, rocker[1], 1e-10, "first");

@@ -282,7 +282,7 @@ pub struct Linearise {
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
     /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. This coordinate and its
-    /// rate are the two states [default: the coordinate in the key start of the definition]
+    /// rate are the first two states [default: the coordinate in the key start of the definition]
     #[arg(long, value_name = "NAME")]
     pub coordinate: Option<String>,
     /// Inputs of the matrices B and D [default: all inputs on which the acceleration depends]

@@ -13,10 +13,10 @@ pub struct SharedLibrary {
     pub installed: &'static str,
 }
 
-/// The library of mechanisms without hydraulics, `src/exports`. It contains no code of other models.
+/// The library of mechanisms without both, `src/exports`. It contains no code of other models.
 pub const MECHANISMS: SharedLibrary =
     SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
-/// The library of all models with hydraulics, `src/exports/hydraulics`.
+/// The library of all models with hydraulics or with an integral part of a controller, `src/exports/hydraulics`.
 pub const HYDRAULICS: SharedLibrary = SharedLibrary {
     package: "linkage-fmu-exports-hydraulics",
     name: "linkage_fmu_exports_hydraulics",
@@ -25,5 +25,5 @@ pub const HYDRAULICS: SharedLibrary = SharedLibrary {
 
 /// The library that serves this model.
 pub fn of(model: &Component) -> &'static SharedLibrary {
-    if model.has_hydraulics() { &HYDRAULICS } else { &MECHANISMS }
+    if model.has_more_states() { &HYDRAULICS } else { &MECHANISMS }
 }

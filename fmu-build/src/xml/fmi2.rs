@@ -91,7 +91,7 @@ fn write_structure(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let attributes = variable_attributes(reference, variable);
-    let mut of_kind = kind_attributes(variable, interface.sizes.nominal(variable));
+    let mut of_kind = kind_attributes(variable, interface.nominal(reference, variable));
     of_kind.extend(interface.state_attributes(reference, 1));
     element(xml, "ScalarVariable", &attributes, |xml| empty(xml, variable.kind.word(), &of_kind))
 }

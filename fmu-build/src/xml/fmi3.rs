@@ -100,7 +100,7 @@ fn write_content(interface: &Interface, xml: &mut Xml) -> io::Result<()> {
 fn write_variable(xml: &mut Xml, interface: &Interface, reference: Reference, variable: &Variable) -> io::Result<()> {
     let kind = variable.kind.word_of_fmi_3();
     let mut attributes = attributes_of(interface, reference, variable);
-    attributes.extend(kind_attributes(variable, interface.sizes.nominal(variable)));
+    attributes.extend(kind_attributes(variable, interface.nominal(reference, variable)));
     attributes.extend(interface.state_attributes(reference, 0));
     empty(xml, kind, &attributes)
 }

@@ -7,7 +7,7 @@ use super::common::{Attributes, Xml, element, empty, group, is_c_identifier, num
 use super::sizes::Sizes;
 use anyhow::{Result, bail};
 use fmu_cli::Naming;
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, MOST_STATES};
 use linkage_fmu::fmi::logger::LOG_CATEGORIES;
 use linkage_fmu::format::Experiment;
 use linkage_fmu::variables::{Causality, ContinuousTime, Reference, Value, Variability, Variable, Vector};
@@ -52,7 +52,7 @@ pub struct Interface<'a> {
     /// Data for the solver of a host. None if the model is for co-simulation only.
     pub continuous_time: Option<ContinuousTime>,
     /// Nominal values of the states.
-    pub state_nominals: Option<[f64; 2]>,
+    pub state_nominals: Option<[f64; MOST_STATES]>,
     /// Nominal values of inputs and outputs.
     pub sizes: Sizes,
 }
@@ -110,11 +110,20 @@ impl<'a> Interface<'a> {
         self.continuous_time.as_ref().map(pairs).unwrap_or_default().into_iter()
     }
 
-    /// The continuous states and their derivatives, without duplicates.
+    /// The continuous states and their derivatives that are not outputs, without duplicates.
     pub fn initial_states(&self) -> Vec<Reference> {
         let mut all: Vec<Reference> = self.states().flat_map(|(state, derivative)| [state, derivative]).collect();
         all.dedup();
+        all.retain(|reference| !self.variables[*reference as usize].is_output());
         all
+    }
+
+    /// Nominal value of a variable. For an output that is a continuous state, this is the value that the model returns
+    /// to its host.
+    pub fn nominal(&self, reference: Reference, variable: &Variable) -> Option<f64> {
+        let state = self.states().position(|(state, _)| state == reference).filter(|_| variable.is_output());
+        let of_state = state.and_then(|index| Some(self.state_nominals?[index]));
+        of_state.or_else(|| self.sizes.nominal(variable))
     }
 
     /// The event indicators.
@@ -142,7 +151,8 @@ impl<'a> Interface<'a> {
             attributes.push(("derivative", (of + first).to_string()));
         }
         if let Some(index) = self.states().position(|(state, _)| state == reference) {
-            attributes.extend(self.state_nominals.map(|nominals| ("nominal", number(nominals[index]))));
+            let nominals = self.state_nominals.filter(|_| !self.variables[reference as usize].is_output());
+            attributes.extend(nominals.map(|nominals| ("nominal", number(nominals[index]))));
             attributes.push(("reinit", "true".to_owned()));
         }
         attributes

@@ -123,7 +123,10 @@ pub fn quantity(unit: Unit) -> Option<&'static str> {
         | Unit::KilogramPerMetre
         | Unit::KilogramSquareMetrePerRadian
         | Unit::CubicMetrePerSecondPascal
-        | Unit::NewtonPerSecond => return None,
+        | Unit::NewtonPerSecond
+        | Unit::NewtonMetrePerSecond
+        | Unit::NewtonPerMetreSecond
+        | Unit::NewtonMetrePerRadianSecond => return None,
     })
 }
 

@@ -62,7 +62,8 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
 /// Whether friction holds the mechanism at a position, so that small loads and deviations cause no acceleration.
 fn is_held_by_friction(at: &Linearised) -> bool {
     let slides = at.eigenvalues.iter().flatten().any(|part| *part != 0.0);
-    slides && at.acceleration == 0.0 && at.a[1] == [0.0; 2] && at.b.iter().all(|column| column[1] == 0.0)
+    let rows = at.a[1].iter().chain(at.b.iter().map(|column| &column[1]));
+    slides && at.acceleration == 0.0 && rows.copied().all(|value| value == 0.0)
 }
 
 /// Check that the name is allowed for a table.
@@ -121,21 +122,19 @@ impl Named<'_> {
         self.interface.list()[reference as usize].unit.unwrap_or(Unit::One)
     }
 
-    /// Names of the columns.
-    fn columns(&self) -> Vec<String> {
+    /// Names of the columns, with so many states.
+    fn columns(&self, states: usize) -> Vec<String> {
         let Linearisation { coordinate, inputs, outputs, held_by } = &self.what;
         let mut names = vec![self.name(*coordinate).to_owned(), "acceleration".to_owned()];
         names.extend(held_by.map(|input| self.name(input).to_owned()));
-        names.extend(
-            ["eigenfrequency", "damping_ratio", "eigenvalue1.re", "eigenvalue1.im", "eigenvalue2.re", "eigenvalue2.im"]
-                .map(String::from),
-        );
-        names.extend(["A11", "A12", "A21", "A22"].map(String::from));
+        names.extend(["eigenfrequency", "damping_ratio"].map(String::from));
+        names.extend((1..=states).flat_map(|k| ["re", "im"].map(|part| format!("eigenvalue{k}.{part}"))));
+        names.extend((1..=states).flat_map(|row| (1..=states).map(move |column| format!("A{row}{column}"))));
         for input in inputs {
-            names.extend(["B1", "B2"].map(|part| format!("{part}({})", self.name(*input))));
+            names.extend((1..=states).map(|row| format!("B{row}({})", self.name(*input))));
         }
         for output in outputs {
-            names.extend(["C1", "C2"].map(|part| format!("{part}({})", self.name(*output))));
+            names.extend((1..=states).map(|column| format!("C{column}({})", self.name(*output))));
             names.extend(inputs.iter().map(|input| format!("D({}; {})", self.name(*output), self.name(*input))));
         }
         names
@@ -146,7 +145,7 @@ impl Named<'_> {
         let mut row = vec![at.coordinate, at.acceleration];
         row.extend(at.holding);
         row.extend([at.eigenfrequency(), at.damping_ratio]);
-        row.extend(at.eigenvalues.iter().chain(&at.a).chain(&at.b).flatten());
+        row.extend(at.eigenvalues.iter().flatten().chain(at.a.iter().flatten()).chain(at.b.iter().flatten()));
         for (c, d) in at.c.iter().zip(&at.d) {
             row.extend(c.iter().chain(d));
         }
@@ -156,7 +155,7 @@ impl Named<'_> {
     /// The table as CSV.
     fn csv(&self, all: &[Linearised]) -> Result<Vec<u8>> {
         let mut table = csv::WriterBuilder::new().from_writer(Vec::new());
-        table.write_record(self.columns())?;
+        table.write_record(self.columns(all.first().map_or(0, |at| at.a.len())))?;
         let mut digits = zmij::Buffer::new();
         for at in all {
             for value in Self::row(at) {
@@ -175,22 +174,25 @@ impl Named<'_> {
             unit: Some(unit),
             values: all.iter().map(value).collect(),
         };
-        let eigenvalue = |name, k: usize, part: usize| series(name, Unit::PerSecond, &|at| at.eigenvalues[k][part]);
-        let lines = [
+        let names: Vec<[String; 2]> = (1..=all.first().map_or(0, |at| at.a.len()))
+            .map(|k| ["real", "imaginary"].map(|part| format!("eigenvalue {k}, {part}")))
+            .collect();
+        let mut lines = vec![
             series("eigenfrequency", Unit::Hertz, &Linearised::eigenfrequency),
             series("damping ratio", Unit::One, &|at| at.damping_ratio),
-            eigenvalue("eigenvalue 1, real", 0, 0),
-            eigenvalue("eigenvalue 1, imaginary", 0, 1),
-            eigenvalue("eigenvalue 2, real", 1, 0),
-            eigenvalue("eigenvalue 2, imaginary", 1, 1),
         ];
+        for (k, own) in names.iter().enumerate() {
+            for (part, name) in own.iter().enumerate() {
+                lines.push(series(name, Unit::PerSecond, &|at| at.eigenvalues[k][part]));
+            }
+        }
         let x = series(self.name(coordinate), self.unit(coordinate), &|at| at.coordinate);
         plot::write(workspace, path, &format!("{title}: small motions along the travel"), &x, &lines)
     }
 
     /// The linearisation at the start, one line per number.
     fn in_words(&self, at: &Linearised) -> String {
-        let names = self.columns();
+        let names = self.columns(at.a.len());
         let width = names.iter().map(String::len).max().unwrap_or_default();
         let lines = names.iter().zip(Self::row(at)).map(|(name, value)| format!("{name:width$}  {value:?}\n"));
         lines.collect()

@@ -52,10 +52,10 @@ pub fn along(model: &mut Component, count: usize, names: &[String]) -> PyResult<
             Python::attach(|py| py.check_signals())?;
         }
         rows.push(sigma);
-        model.set_continuous_states([sigma, 0.0]).map_err(no_value)?;
+        model.set_continuous_states(&[sigma, 0.0]).map_err(no_value)?;
         model.reals(&references, |value| rows.push(value)).map_err(refused)?;
         // With this speed, rates in time are rates along the travel.
-        model.set_continuous_states([sigma, 1.0]).map_err(no_value)?;
+        model.set_continuous_states(&[sigma, 1.0]).map_err(no_value)?;
         for &reference in &references {
             rows.push(model.output_derivative(reference, 1).unwrap_or(f64::NAN));
         }
@@ -74,9 +74,10 @@ pub fn dictionary<'py>(py: Python<'py>, at: &Linearised) -> PyResult<Bound<'py, 
     dict.set_item("holding", at.holding)?;
     dict.set_item("eigenfrequency", at.eigenfrequency())?;
     dict.set_item("damping_ratio", at.damping_ratio)?;
-    dict.set_item("eigenvalues", at.eigenvalues)?;
-    dict.set_item("a", at.a)?;
-    dict.set_item("b", [0, 1].map(|row| at.b.iter().map(|column| column[row]).collect::<Vec<_>>()))?;
+    dict.set_item("eigenvalues", at.eigenvalues.clone())?;
+    dict.set_item("a", at.a.clone())?;
+    let row = |row: usize| at.b.iter().map(|column| column[row]).collect::<Vec<_>>();
+    dict.set_item("b", (0..at.a.len()).map(row).collect::<Vec<_>>())?;
     dict.set_item("c", at.c.clone())?;
     dict.set_item("d", at.d.clone())?;
     Ok(dict)

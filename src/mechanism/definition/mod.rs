@@ -27,7 +27,7 @@ pub use crate::format::{DefinitionError, Experiment, Named, Range, Role, Visit};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
-pub use control::Control;
+pub use control::{Control, MOST_INTEGRALS, MOST_STATES};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, Drawn, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};

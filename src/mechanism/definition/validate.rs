@@ -216,6 +216,7 @@ impl Mechanism {
             }
             faults.keep(check_drive(&key, a));
             check_control(&key, a, faults);
+            self.check_integral(name, faults);
             self.check_motion(name, a, faults);
         }
     }

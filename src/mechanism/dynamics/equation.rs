@@ -45,6 +45,12 @@ impl<T: Differentiable> Scratch<T> {
         self.evaluator.pressures[cylinder] = pressures;
         self.tangent.pressures[cylinder] = pressures.map(T::held);
     }
+
+    /// State an integral part of the controller of a drive [N or N.m].
+    pub fn set_integral(&mut self, integral: usize, value: T) {
+        self.evaluator.integrals[integral] = value;
+        self.tangent.integrals[integral] = value.held();
+    }
 }
 
 /// The equation of motion over one communication step, in numbers T.

@@ -6,7 +6,7 @@
 //! speed. It must not know steps.
 use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, SPOOL, SUPPLY};
 use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
-use crate::integrator::System;
+use crate::integrator::{System, differences};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::state_loads::Evaluation;
@@ -51,8 +51,6 @@ pub struct Ports<'a> {
     surroundings: Surroundings,
     /// Instants at which the command has a kink [s], ascending; the last ones infinite.
     kinks: [f64; INSTANTS],
-    /// Whether a stop, a lock or drives hold the mechanism at rest.
-    pub held: bool,
 }
 
 /// An input over a step.
@@ -83,7 +81,7 @@ impl<'a> Ports<'a> {
         order::sort(&mut kinks[..count]);
         let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
         let surroundings = Surroundings { supply, tank, command };
-        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks, held: false }
+        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks }
     }
 
     /// The next instant after t [s] at which the command has a kink; infinite if there is none.
@@ -163,7 +161,7 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
     fn derivative(&mut self, t: f64, y: &[f64; DRIVEN]) -> [f64; DRIVEN] {
         self.time = t;
         self.scratch.evaluator.pressures[0] = [y[3], y[4]];
-        let held = self.ports.as_ref().is_some_and(|ports| ports.held);
+        let held = self.mode.held;
         let evaluation = if held { Ok(Evaluation { acceleration: 0.0, lost: 0.0 }) } else { self.effect(y[0], y[1]) };
         let Ok(Evaluation { acceleration, lost }) = evaluation else {
             self.locked = true;
@@ -207,18 +205,6 @@ impl System<DRIVEN> for EquationOfMotion<'_> {
 
     /// By one-sided differences along the components that the right-hand side depends on.
     fn jacobian(&mut self, t: f64, y: &[f64; DRIVEN]) -> [[f64; DRIVEN]; DRIVEN] {
-        let f = self.derivative(t, y);
-        let scale = self.scale(y, &f);
-        let mut rows = [[0.0; DRIVEN]; DRIVEN];
-        for j in DRIVING {
-            let mut beside = *y;
-            beside[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
-            let width = beside[j] - y[j];
-            let g = self.derivative(t, &beside);
-            for (row, (g, f)) in rows.iter_mut().zip(g.iter().zip(&f)) {
-                row[j] = (g - f) / width;
-            }
-        }
-        rows
+        differences(self, t, y, DRIVING.into_iter())
     }
 }

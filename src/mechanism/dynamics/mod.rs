@@ -1,5 +1,6 @@
 //! The equation of motion along the curve.
 pub mod bumper_set;
+pub mod controlled;
 pub mod equation;
 pub mod hydraulic;
 pub mod inputs;

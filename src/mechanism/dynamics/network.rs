@@ -8,7 +8,7 @@ use crate::hydraulics::inputs::Polynomial;
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::hydraulics::network::inputs::limits;
 use crate::hydraulics::network::laws::{Border, Drive, Laws, Lock};
-use crate::integrator::System;
+use crate::integrator::{System, differences};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{INSTANTS, MOTION, ON_BORDER, SPEED_FLOOR, length_at, next_instant};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -80,8 +80,6 @@ pub struct NetworkPorts<'a> {
     inputs: &'a Inputs,
     /// Instants at which an input is clipped [s], ascending; the last ones infinite.
     kinks: [f64; INSTANTS],
-    /// Whether a stop, a lock or drives hold the mechanism at rest.
-    pub held: bool,
 }
 
 /// An input of the network over a step, by its index among those.
@@ -120,7 +118,7 @@ impl<'a> NetworkPorts<'a> {
             }
             order::sort(&mut kinks[..count]);
         }
-        Some(Self { drives, lengths, inputs, kinks, held: false })
+        Some(Self { drives, lengths, inputs, kinks })
     }
 
     /// The next instant after t [s] at which an input is clipped; infinite if there is none.
@@ -209,7 +207,7 @@ impl System<NETWORKED> for EquationOfMotion<'_> {
     fn derivative(&mut self, t: f64, y: &[f64; NETWORKED]) -> [f64; NETWORKED] {
         self.time = t;
         self.set_pressures_of_network(y);
-        let held = self.network.as_ref().is_some_and(|ports| ports.held);
+        let held = self.mode.held;
         let evaluation = if held { Ok(Evaluation { acceleration: 0.0, lost: 0.0 }) } else { self.effect(y[0], y[1]) };
         let Ok(Evaluation { acceleration, lost }) = evaluation else {
             self.locked = true;
@@ -262,18 +260,6 @@ impl System<NETWORKED> for EquationOfMotion<'_> {
     /// By one-sided differences along the components that the right-hand side depends on.
     fn jacobian(&mut self, t: f64, y: &[f64; NETWORKED]) -> [[f64; NETWORKED]; NETWORKED] {
         let leading = self.network.as_ref().map_or(0, |ports| ports.drives.laws.layout.leading());
-        let f = self.derivative(t, y);
-        let scale = self.scale(y, &f);
-        let mut rows = [[0.0; NETWORKED]; NETWORKED];
-        for j in [0, 1].into_iter().chain(MOTION..MOTION + leading) {
-            let mut beside = *y;
-            beside[j] += f64::EPSILON.sqrt() * y[j].abs().max(scale[j]);
-            let width = beside[j] - y[j];
-            let g = self.derivative(t, &beside);
-            for (row, (g, f)) in rows.iter_mut().zip(g.iter().zip(&f)) {
-                row[j] = (g - f) / width;
-            }
-        }
-        rows
+        differences(self, t, y, [0, 1].into_iter().chain(MOTION..MOTION + leading))
     }
 }

@@ -8,6 +8,7 @@ mod free;
 mod losses;
 
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
+use crate::mechanism::definition::MOST_INTEGRALS;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
@@ -29,6 +30,8 @@ pub struct Mode {
     pub breaks_away: bool,
     /// Bumpers that push.
     pub touching: BumperSet,
+    /// Whether a stop, a lock, drives or friction hold the mechanism at rest while other parts of the state change.
+    pub held: bool,
 }
 
 /// Result of an evaluation.
@@ -47,6 +50,10 @@ pub struct StateLoadEvaluator<T> {
     pub delivered: Vec<T>,
     /// Pressures of the chambers of each hydraulic cylinder [Pa]; 0 without one.
     pub pressures: [[T; 2]; MOST_CYLINDERS],
+    /// Integral parts of the forces of controlled drives [N or N.m]; 0 without one.
+    pub integrals: [T; MOST_INTEGRALS],
+    /// Their rates at the last evaluation [N/s or N.m/s].
+    pub integral_rates: [T; MOST_INTEGRALS],
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
@@ -83,6 +90,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         Self {
             delivered: vec![zero; drives],
             pressures: [[zero; 2]; MOST_CYLINDERS],
+            integrals: [zero; MOST_INTEGRALS],
+            integral_rates: [zero; MOST_INTEGRALS],
             loads: vec![zero; loads],
             friction,
             regimes: vec![None; friction_joints],

@@ -8,8 +8,8 @@ use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
 use crate::variables::Unit::{
     self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
-    MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonPerMetre, One, Radian, RadianPerSecond,
-    RadianPerSecondSquared,
+    MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerSecond, NewtonPerMetre,
+    NewtonPerSecond, One, Radian, RadianPerSecond, RadianPerSecondSquared,
 };
 use crate::variables::{Causality, Value};
 
@@ -120,13 +120,33 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
             Some(_) => ": input force or torque, plus the force of the controller, within the limits of the drive",
         };
         let inputs: Vec<usize> = [drive].into_iter().chain(law.commands()).collect();
-        let needs = Needs { speed: true, inputs: &inputs, loads: &[drive, law.load], ..s.displacement(drive) };
+        let circuit = law.integral.is_some();
+        let needs = Needs { speed: true, inputs: &inputs, loads: &[drive, law.load], circuit, ..s.displacement(drive) };
         b.output(n, suffix, &[what, n, text], unit, output, needs);
+        if circuit {
+            add_integral(b, drive, needs);
+        }
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
         let text =
             [what, n, ": value that the prescribed motion needs, or the input of the drive if no motion is prescribed"];
         b.output(n, suffix, &text, unit, output, needs);
+    }
+}
+
+/// Integral part of the force of a drive with a controller, and its rate, which follows from these.
+fn add_integral(b: &mut Builder, drive: usize, needs: Needs) {
+    let s = b.source;
+    let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
+    let (names, units) = match is_rotary {
+        true => (["integral_torque", "integral_torque_rate"], [NewtonMetre, NewtonMetrePerSecond]),
+        false => (["integral_force", "integral_force_rate"], [Newton, NewtonPerSecond]),
+    };
+    let what = if is_rotary { " of the torque of the drive " } else { " of the force of the drive " };
+    let start = Needs { circuit: true, ..Needs::default() };
+    let words = ["Integral part", "Time derivative of the integral part"];
+    for (order, ((suffix, word), needs)) in names.into_iter().zip(words).zip([start, needs]).enumerate() {
+        b.output(n, suffix, &[word, what, n], units[order], Output::Integral { drive, order }, needs);
     }
 }
 
@@ -180,7 +200,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     // No term depends on whether a lock holds.
     let free: Vec<usize> = s.inputs.iter().copied().filter(|i| !s.locks().contains(i)).collect();
     let others: Vec<usize> = free.iter().copied().filter(|i| *i != drive && !own_commands.contains(i)).collect();
-    let circuit = s.mechanism.has_hydraulics();
+    let circuit = s.has_states_at_start();
     let demand = l.inputs.len() + drive;
     let mut demanded = others.clone();
     demanded.insert(demanded.partition_point(|i| *i < demand), demand);

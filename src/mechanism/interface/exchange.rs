@@ -53,7 +53,12 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let joints = s.loading.friction.as_ref().map_or(0, |friction| friction.friction_joints.len());
     if joints > 0 || s.loading.drives.iter().any(|drive| drive.efficiency.is_some()) {
         all.push((Indicator::Reversal, MetrePerSecond));
+        if s.mechanism.integrating_drives().next().is_some() {
+            all.push((Indicator::Breakaway, MetrePerSecondSquared));
+        }
     }
+    let turning = s.loading.friction.iter().flat_map(|friction| friction.turning());
+    all.extend(turning.map(|joint| (Indicator::Turn(joint), One)));
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
     let kind = |joint: usize| s.loading.friction.as_ref().map(|friction| friction.friction_joints[joint].kind);
     all.extend((0..joints).filter(|joint| kind(*joint) == Some(FrictionKind::Joint)).flat_map(borders));
@@ -86,6 +91,10 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
 /// Name of an event indicator, and the pieces of its description.
 fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]) {
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
+    let joint_name = |joint: usize| {
+        let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
+        friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str())
+    };
     match indicator {
         Indicator::End(0) => (
             own("low_end"),
@@ -121,9 +130,19 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             own("reversal"),
             ["Event indicator: speed whose sign determines the direction of friction and losses", "", "", ""],
         ),
+        Indicator::Breakaway => {
+            let text = "Event indicator: while friction or losses hold the mechanism at rest, acceleration without \
+                        what holds it";
+            (own("breakaway"), [text, "", "", ""])
+        }
+        Indicator::Turn(joint) => {
+            let name = joint_name(joint);
+            let text = "Event indicator: slip for each unit of along_curve.position, whose sign determines the \
+                        direction of friction or losses in the joint or coupling ";
+            ([name, ".slip_indicator"].concat(), [text, name, "", ""])
+        }
         Indicator::Slip { joint, kinetic } => {
-            let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
-            let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
+            let name = joint_name(joint);
             let border = if kinetic { "kinetic" } else { "static" };
             let text = ["Event indicator: slip speed minus friction.", border, "_speed in the joint ", name];
             ([name, ".", border, "_indicator"].concat(), text)
@@ -136,8 +155,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             )
         }
         Indicator::NormalForce(joint) => {
-            let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
-            let name = friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str());
+            let name = joint_name(joint);
             (
                 [name, ".normal_indicator"].concat(),
                 [

@@ -103,6 +103,11 @@ impl<'a> Source<'a> {
         }
     }
 
+    /// Whether hydraulics or integral parts of controllers have states with start values.
+    pub fn has_states_at_start(&self) -> bool {
+        self.mechanism.has_hydraulics() || self.mechanism.integrating_drives().next().is_some()
+    }
+
     /// Whether joints have friction when `friction.enabled` is true.
     pub fn has_friction(&self) -> bool {
         self.loading.friction.as_ref().is_some_and(|f| !f.friction_joints.is_empty())
@@ -113,7 +118,7 @@ impl<'a> Source<'a> {
         if self.mechanism.is_massless() {
             return Needs { speed: true, ..placed() };
         }
-        let circuit = self.mechanism.has_hydraulics();
+        let circuit = self.has_states_at_start();
         Needs { speed: true, inertia: true, inputs: &self.inputs, loads: &self.loads, circuit, ..placed() }
     }
 

@@ -132,7 +132,7 @@ impl Loading {
         let hinges = &Hinges::new(linkage);
         let mut sized: Vec<(String, Load)> = Vec::new();
         let mut constant: Vec<(f64, Load)> = Vec::new();
-        let mut drives = Vec::new();
+        let (mut drives, mut integrals) = (Vec::new(), 0);
         for (name, a) in mechanism.actuators.iter() {
             let load =
                 between(mechanism, linkage, hinges, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
@@ -145,7 +145,11 @@ impl Loading {
             drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, law: None });
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
-            let Some(law) = DriveLaw::new(name, a, sized.len())? else { continue };
+            let Some(mut law) = DriveLaw::new(name, a, sized.len())? else { continue };
+            if law.control().is_some_and(|control| control.integral.is_some()) {
+                law.integral = Some(integrals);
+                integrals += 1;
+            }
             sized.extend(law.inputs(name).map(|input| (input, sized[drive].1.clone())).collect::<Vec<_>>());
             drives[drive].law = Some(law);
         }
@@ -298,6 +302,12 @@ impl Loading {
     /// Whether an input is a command of the law of a drive: then the load of this index has no potential.
     pub fn is_command(&self, load: usize) -> bool {
         self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
+    }
+
+    /// Drives whose controller has an integral part, by their indices, in the order of these parts.
+    pub fn integrating(&self) -> impl Iterator<Item = usize> + '_ {
+        let has_one = |drive: &Drive| drive.law.as_ref().is_some_and(|law| law.integral.is_some());
+        self.drives.iter().enumerate().filter(move |(_, drive)| has_one(drive)).map(|(index, _)| index)
     }
 
     /// Number of applied loads: those sized by inputs, then those of constant size.

@@ -3,7 +3,7 @@
 //! In: references, orders, seeds. Out: derivatives by the outputs' sensitivity, or a refusal by name. It must not know
 //! any law.
 use super::{Formulation, Model, ModelError};
-use crate::mechanism::definition::Method;
+use crate::mechanism::definition::{MOST_STATES, Method};
 use crate::mechanism::quantity::Quantity;
 use crate::variables::{Causality, Kind, Reference};
 
@@ -57,7 +57,7 @@ impl Model {
         let sum = |input: usize| -> f64 {
             knowns.iter().zip(seeds).filter(|(known, _)| **known as usize == input).map(|(_, seed)| seed).sum()
         };
-        let mut along = [0.0; 2];
+        let mut along = [0.0; MOST_STATES];
         for (&known, seed) in knowns.iter().zip(seeds) {
             if let Some(order) = self.known_state(known) {
                 along[order] += seed;
@@ -66,7 +66,7 @@ impl Model {
         if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
             motion.head_for(reduced, &self.inputs, along, &sum);
         }
-        let changes_state = along != [0.0; 2];
+        let changes_state = along != [0.0; MOST_STATES];
         let is_exchanged = self.exchange.is_some() && self.is_prescribed();
         for (index, &unknown) in unknowns.iter().enumerate() {
             if is_exchanged && self.unknown_rate(unknown) == Some(0) {

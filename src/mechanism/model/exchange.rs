@@ -2,24 +2,26 @@
 //!
 //! The states are x = sigma, counted on over whole revolutions, and v = sigma_dot. sigma is regular everywhere, while
 //! the angle of a body turns back at a dead centre. The kinetic energy is T = sigma_dot^2 / 2, so that sigma is the
-//! path in m of a mass of 1 kg with the same kinetic energy.
+//! path in m of a mass of 1 kg with the same kinetic energy. The integral parts of controllers follow.
 //!
 //! In: states that the host's solver tries, events that it has found. Out: derivatives, event indicators, the state
 //! after an event. What a stop does to the motion is the law of co-simulation. It must not know FMI's life cycle.
 mod prescribed;
+mod states;
 mod transitions;
 
 use super::{Formulation, Model, ModelError};
 use crate::codec::record::{Damaged, Record};
-use crate::mechanism::definition::Method;
+use crate::mechanism::definition::{MOST_STATES, Method};
 use crate::mechanism::motion::contact::Ends;
 use crate::mechanism::motion::{MOST_REVOLUTIONS, state::State};
 use crate::mechanism::outputs::OutputError;
-use crate::mechanism::quantity::{Indicator, Quantity};
+use crate::mechanism::quantity::Indicator;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::decimal::Decimal;
-use crate::variables::{ContinuousTime, Reference};
+use crate::variables::Reference;
 use prescribed::Instant;
+use states::joined;
 use std::sync::Arc;
 use transitions::{ABSENT, Transition, transition, value_of};
 
@@ -83,33 +85,6 @@ fn counted(reduced: &Reduced, state: &State) -> f64 {
 }
 
 impl Model {
-    /// The variables that a host's solver integrates; none where the state has more than the motion: with a hydraulic
-    /// circuit.
-    pub fn continuous_time(&self) -> Option<ContinuousTime> {
-        let mut all = ContinuousTime::default();
-        for reference in 0..self.original.variables.list().len() as Reference {
-            match self.original.variables.quantity(reference) {
-                Some(Quantity::State(order)) => {
-                    all.states.extend((order < 2).then_some(reference));
-                    all.derivatives.extend((order > 0).then_some(reference));
-                }
-                Some(Quantity::Indicator(_)) => all.indicators.push(reference),
-                _ => {}
-            }
-        }
-        (!all.states.is_empty()).then_some(all)
-    }
-
-    /// References of the event indicators: the last variables.
-    pub fn indicators(&self) -> std::ops::Range<Reference> {
-        let all = self.original.variables.list().len() as Reference;
-        let is = |reference: &Reference| {
-            matches!(self.original.variables.quantity(*reference), Some(Quantity::Indicator(_)))
-        };
-        let count = (0..all).rev().take_while(is).count() as Reference;
-        all - count..all
-    }
-
     /// Serve model exchange from now on.
     ///
     /// # Errors
@@ -145,37 +120,36 @@ impl Model {
     }
 
     /// The continuous states x and v.
-    ///
-    /// # Errors
-    /// The present parameters give no mechanism.
-    pub fn continuous_states(&mut self) -> Result<[f64; 2], ModelError> {
+    fn states_of_motion(&mut self) -> Result<[f64; 2], ModelError> {
         let tried = self.exchange.and_then(|exchange| exchange.tried);
         let (state, reduced) = self.shown()?;
         Ok(tried.unwrap_or_else(|| [counted(reduced, state), state.sigma_dot]))
     }
 
-    /// Scales of the continuous states.
+    /// The continuous states: [`Self::state_count`] numbers, then zeros.
     ///
     /// # Errors
-    /// As [`Self::continuous_states`].
-    pub fn nominals(&mut self) -> Result<[f64; 2], ModelError> {
-        Ok([self.reduced()?.scale(); 2])
+    /// The present parameters give no mechanism.
+    pub fn continuous_states(&mut self) -> Result<[f64; MOST_STATES], ModelError> {
+        let motion = self.states_of_motion()?;
+        let integrals = self.shown()?.0.memory.integrals();
+        Ok(joined(motion, integrals.map_or(&[], |all| all)))
     }
 
-    /// Take the states that the host's solver tries. Where the curve ends at a rigid stop, the derivatives are
-    /// continued beyond with those at its end.
+    /// Take the states that the host's solver tries; those that are not given stay. Where the curve ends at a rigid
+    /// stop, the derivatives are continued beyond with those at its end.
     ///
     /// # Errors
     /// A state that is not finite, or beyond an end of the curve where no rigid stop is; nothing has changed.
-    pub fn set_continuous_states(&mut self, states: [f64; 2]) -> Result<(), NoValue> {
-        let before = self.continuous_states()?;
+    pub fn set_continuous_states(&mut self, states: &[f64]) -> Result<(), NoValue> {
+        let before = self.states_of_motion()?;
         let is_prescribed = self.is_prescribed();
         let (Some(Formulation::Reduced(motion)), Some(reduced), Some(exchange)) =
             (&mut self.state, &self.reduced, &mut self.exchange)
         else {
             return Err(ModelError::NotInitialised.into());
         };
-        let [x, v] = states;
+        let [x, v, ref integrals @ ..] = *states else { return Err(ModelError::NotInitialised.into()) };
         if !(x.is_finite() && v.is_finite()) {
             return Err(NoValue::AtState(format!(
                 "the continuous states are {} and {}; both states must be finite",
@@ -183,8 +157,12 @@ impl Model {
                 Decimal(v)
             )));
         }
+        if let Some(value) = integrals.iter().find(|value| !value.is_finite()) {
+            let why = format!("an integral part of a controller is {}; it must be finite", Decimal(*value));
+            return Err(NoValue::AtState(why));
+        }
         if is_prescribed {
-            exchange.tried = Some(states);
+            exchange.tried = Some([x, v]);
             return Ok(());
         }
         let state = &motion.state;
@@ -193,8 +171,11 @@ impl Model {
         } else {
             place(reduced, state, x)?
         };
+        if !integrals.is_empty() {
+            motion.state.memory.set_integrals(integrals);
+        }
         motion.move_to(sigma, v, revolutions);
-        exchange.tried = (counted(reduced, &motion.state) != x).then_some(states);
+        exchange.tried = (counted(reduced, &motion.state) != x).then_some([x, v]);
         Ok(())
     }
 
@@ -202,7 +183,22 @@ impl Model {
     ///
     /// # Errors
     /// The acceleration has no value at this state.
-    pub fn derivatives(&mut self) -> Result<[f64; 2], NoValue> {
+    pub fn derivatives(&mut self) -> Result<[f64; MOST_STATES], NoValue> {
+        let motion = self.derivatives_of_states()?;
+        let (Some(Formulation::Reduced(state)), Some(reduced)) = (&mut self.state, &self.reduced) else {
+            return Err(ModelError::NotInitialised.into());
+        };
+        if state.state.memory.integrals().is_none() {
+            return Ok(joined(motion, &[]));
+        }
+        match state.read(reduced, &self.inputs, |view| view.circuit_rates()) {
+            Ok(rates) => Ok(joined(motion, &rates[..MOST_STATES - 2])),
+            Err(error) => Err(self.no_derivatives(Err(error))),
+        }
+    }
+
+    /// Time derivatives of x and v; 0 where the mechanism is held.
+    fn derivatives_of_states(&mut self) -> Result<[f64; 2], NoValue> {
         self.state()?;
         if self.is_prescribed() {
             return self.prescribed_derivatives();
@@ -230,11 +226,11 @@ impl Model {
     /// The present parameters give no mechanism.
     pub(super) fn state_of_motion(&mut self, order: usize) -> Result<f64, ModelError> {
         if order < 2 {
-            return Ok(self.continuous_states()?[order]);
+            return Ok(self.states_of_motion()?[order]);
         }
         self.state()?;
         let (Some(Formulation::Reduced(_)), Some(_)) = (&self.state, &self.reduced) else { return Ok(f64::NAN) };
-        match self.derivatives() {
+        match self.derivatives_of_states() {
             Ok(derivatives) => Ok(derivatives[1]),
             Err(NoValue::AtState(_)) => Ok(f64::NAN),
             Err(NoValue::Refused(error)) => Err(error),
@@ -246,7 +242,7 @@ impl Model {
     /// # Errors
     /// The present parameters give no mechanism.
     pub(super) fn indicator(&mut self, indicator: Indicator) -> Result<f64, ModelError> {
-        let [x, v] = self.continuous_states()?;
+        let [x, v] = self.states_of_motion()?;
         if self.is_prescribed() {
             return Ok(ABSENT);
         }
@@ -302,7 +298,7 @@ impl Model {
     /// # Errors
     /// The state after a transition cannot be computed.
     pub(super) fn update_discrete_states(&mut self, point: Option<f64>) -> Result<bool, ModelError> {
-        let before = self.continuous_states()?;
+        let before = self.states_of_motion()?;
         self.update_prescribed(point)?;
         if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
             let travel = Arc::clone(&motion.state.travel);
@@ -318,7 +314,7 @@ impl Model {
             self.remember()?;
         }
         self.remember()?;
-        Ok(self.continuous_states()? != before)
+        Ok(self.states_of_motion()? != before)
     }
 
     /// In model exchange, the present states are those from which the solver goes on.
@@ -326,7 +322,7 @@ impl Model {
         if self.exchange.is_none() {
             return Ok(());
         }
-        let last = self.continuous_states()?;
+        let last = self.states_of_motion()?;
         if let Some(exchange) = &mut self.exchange {
             exchange.last = last;
         }
@@ -335,7 +331,7 @@ impl Model {
 
     /// The next transition that is due, if there is one. What has no value at this state is not due.
     fn due(&mut self) -> Result<Option<Transition>, ModelError> {
-        let now = self.continuous_states()?;
+        let now = self.states_of_motion()?;
         if self.is_prescribed() {
             return Ok(None);
         }
@@ -385,23 +381,6 @@ impl Model {
         }
         motion.set_lock();
         Ok(())
-    }
-
-    /// Which of the states has this reference, if a host's solver integrates them.
-    #[inline]
-    pub(super) fn known_state(&self, reference: Reference) -> Option<usize> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::State(order @ 0..=1)) if self.exchange.is_some() => Some(order),
-            _ => None,
-        }
-    }
-
-    /// Which of the derivatives has this reference.
-    pub(super) fn unknown_rate(&self, reference: Reference) -> Option<usize> {
-        match self.original.variables.quantity(reference) {
-            Some(Quantity::State(order @ 1..=2)) => Some(order - 1),
-            _ => None,
-        }
     }
 }
 

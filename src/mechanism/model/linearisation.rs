@@ -3,17 +3,18 @@
 //! In: a coordinate, inputs, outputs, a number of positions. Out: the matrices at each position, exact by dual numbers
 //! through the laws of the outputs, with eigenfrequency and damping ratio. It must not know any law.
 use super::{Formulation, Model, ModelError};
-use crate::mechanism::definition::Method;
+use crate::mechanism::definition::{MOST_STATES, Method};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::contact::{Contact, Place};
 use crate::mechanism::motion::equilibrium::{AtRest, Equilibrium};
 use crate::mechanism::motion::samples::ends;
 use crate::mechanism::motion::travel::pressed_bumpers;
-use crate::mechanism::outputs::ReducedMotion;
+use crate::mechanism::outputs::{ReducedMotion, of_state};
 use crate::mechanism::quantity::{OneElement, Output, Quantity};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::order;
 use crate::variables::{Causality, Kind, Reference};
+use nalgebra::DMatrix;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -24,7 +25,8 @@ const TOGGLE: f64 = 1e-9;
 /// What is linearised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearisation {
-    /// The angle of a body or the position of a joint, an output; it and its rate are the state x.
+    /// The angle of a body or the position of a joint, an output; it, its rate and the integral parts of controllers
+    /// are the state x.
     pub coordinate: Reference,
     /// The inputs u: continuous inputs.
     pub inputs: Vec<Reference>,
@@ -48,15 +50,15 @@ pub struct Linearised {
     pub omega: f64,
     /// Damping ratio zeta [1]; not a number where omega is none.
     pub damping_ratio: f64,
-    /// Eigenvalues, each as real and imaginary part [1/s]: of sigma_ddot = -k sigma - d sigma_dot. They are those of
-    /// `a` at an equilibrium, and the same whatever the coordinate elsewhere.
-    pub eigenvalues: [[f64; 2]; 2],
+    /// Eigenvalues, each as real and imaginary part [1/s]: of sigma_ddot = -k sigma - d sigma_dot, with the integral
+    /// parts. They are those of `a` at an equilibrium, and the same whatever the coordinate elsewhere.
+    pub eigenvalues: Vec<[f64; 2]>,
     /// A, row by row.
-    pub a: [[f64; 2]; 2],
+    pub a: Vec<Vec<f64>>,
     /// B: for each input a column.
-    pub b: Vec<[f64; 2]>,
+    pub b: Vec<Vec<f64>>,
     /// C: for each output a row.
-    pub c: Vec<[f64; 2]>,
+    pub c: Vec<Vec<f64>>,
     /// D: for each output a row with one number for each input.
     pub d: Vec<Vec<f64>>,
 }
@@ -89,6 +91,9 @@ impl Model {
     /// are more than position and speed.
     pub fn equilibria(&mut self) -> Result<Vec<Equilibrium>, ModelError> {
         self.has_two_states()?;
+        if self.integrating().next().is_some() {
+            return refused_equilibria();
+        }
         let (motion, reduced) = self.motion_at_rest()?;
         let here = motion.state.sigma + motion.state.revolutions * reduced.period().unwrap_or(0.0);
         let range = ends(&reduced, &motion.state.travel, here);
@@ -160,7 +165,12 @@ impl Model {
         Ok(columns)
     }
 
-    /// Refuse what has more states than position and speed.
+    /// Drives whose controller has an integral part, by their indices.
+    fn integrating(&self) -> impl Iterator<Item = usize> + '_ {
+        self.original.reduced.loading().integrating()
+    }
+
+    /// Refuse what has more states than position, speed and integral parts of controllers.
     fn has_two_states(&self) -> Result<(), ModelError> {
         let refused = |reason: &str| {
             let what = "the linearisation with respect to position and speed".to_owned();
@@ -254,7 +264,7 @@ impl Model {
         let [k, d] = motion.small_motion(reduced, &inputs).unwrap_or([f64::NAN; 2]);
         out.omega = if k > 0.0 { k.sqrt() } else { f64::NAN };
         out.damping_ratio = 0.5 * d / out.omega;
-        out.eigenvalues = if k.is_nan() || d.is_nan() { [[f64::NAN; 2]; 2] } else { roots(k, d) };
+        out.eigenvalues = self.eigenvalues([k, d], (motion, reduced, &inputs));
         self.add_matrices(what, (motion, reduced, &inputs), &mut out);
         self.release(what.held_by, (motion, reduced));
         Ok(out)
@@ -295,6 +305,40 @@ impl Model {
         }
     }
 
+    /// Eigenvalues of small motions with this stiffness and damping; not a number where these are none.
+    fn eigenvalues(
+        &self,
+        [k, d]: [f64; 2],
+        (motion, reduced, inputs): (&mut ReducedMotion, &Reduced, &Inputs),
+    ) -> Vec<[f64; 2]> {
+        let drives: Vec<usize> = self.integrating().collect();
+        let states = 2 + drives.len();
+        if k.is_nan() || d.is_nan() {
+            return vec![[f64::NAN; 2]; states];
+        }
+        if drives.is_empty() {
+            return roots(k, d).to_vec();
+        }
+        let mut a = DMatrix::zeros(states, states);
+        (a[(0, 1)], a[(1, 0)], a[(1, 1)]) = (1.0, -k, -d);
+        for state in 0..states {
+            motion.head_for(reduced, inputs, of_state(state, 1.0), &|_| 0.0);
+            if state >= 2 {
+                a[(1, state)] = motion.slope_of_small_motion(reduced, inputs).unwrap_or(f64::NAN);
+            }
+            for (row, &drive) in drives.iter().enumerate() {
+                let rate = Output::Integral { drive, order: 1 };
+                a[(2 + row, state)] = motion.derivative(reduced, inputs, rate).unwrap_or(f64::NAN);
+            }
+        }
+        if a.iter().any(|value| value.is_nan()) {
+            return vec![[f64::NAN; 2]; states];
+        }
+        let mut all: Vec<[f64; 2]> = a.complex_eigenvalues().iter().map(|value| [value.re, value.im]).collect();
+        all.sort_by(|one, other| one[0].total_cmp(&other[0]).then(other[1].total_cmp(&one[1])));
+        all
+    }
+
     /// The matrices and the values in the present state of a motion.
     fn add_matrices(
         &self,
@@ -307,7 +351,7 @@ impl Model {
         out.coordinate = value(motion, of(0));
         out.acceleration = value(motion, of(2));
         // At rest the speed of the coordinate changes with sigma_dot as the coordinate with sigma.
-        motion.head_for(reduced, inputs, [0.0, 1.0], &|_| 0.0);
+        motion.head_for(reduced, inputs, of_state(1, 1.0), &|_| 0.0);
         let slope = motion.derivative(reduced, inputs, of(1)).unwrap_or(f64::NAN);
         let scale = if slope.abs() * reduced.scale() > TOGGLE { 1.0 / slope } else { f64::NAN };
         let outputs: Vec<Output> = what.outputs.iter().filter_map(|output| self.output_of(*output)).collect();
@@ -315,27 +359,43 @@ impl Model {
             let derivative = motion.derivative(reduced, inputs, output);
             derivative.unwrap_or(f64::NAN)
         };
-        out.a = [[0.0, 1.0], [f64::NAN; 2]];
-        out.c = vec![[f64::NAN; 2]; outputs.len()];
-        for (state, direction) in [[scale, 0.0], [0.0, scale]].into_iter().enumerate() {
-            if scale.is_nan() {
-                break;
+        let rates = self.integrating().map(|drive| Output::Integral { drive, order: 1 });
+        // The rates of the states but the first one, which is the second state.
+        let rates: Vec<Output> = [of(2)].into_iter().chain(rates).collect();
+        let states = 1 + rates.len();
+        out.a = vec![vec![f64::NAN; states]; states];
+        out.a[0].fill(0.0);
+        out.a[0][1] = 1.0;
+        out.c = vec![vec![f64::NAN; states]; outputs.len()];
+        for state in 0..states {
+            let change = if state < 2 { scale } else { 1.0 };
+            if change.is_nan() {
+                continue;
             }
-            motion.head_for(reduced, inputs, direction, &|_| 0.0);
-            out.a[1][state] = along(motion, of(2));
+            motion.head_for(reduced, inputs, of_state(state, change), &|_| 0.0);
+            for (row, rate) in out.a[1..].iter_mut().zip(&rates) {
+                row[state] = along(motion, *rate);
+            }
             for (row, output) in out.c.iter_mut().zip(&outputs) {
                 row[state] = along(motion, *output);
             }
         }
         out.d = vec![Vec::new(); outputs.len()];
         for &input in &what.inputs {
-            motion.head_for(reduced, inputs, [0.0; 2], &|index| f64::from(u8::from(index == input as usize)));
-            out.b.push([0.0, along(motion, of(2))]);
+            motion.head_for(reduced, inputs, [0.0; MOST_STATES], &|index| f64::from(u8::from(index == input as usize)));
+            let column = [0.0].into_iter().chain(rates.iter().map(|rate| along(motion, *rate)));
+            out.b.push(column.collect());
             for (row, output) in out.d.iter_mut().zip(&outputs) {
                 row.push(along(motion, *output));
             }
         }
     }
+}
+
+/// The error for equilibria of a mechanism with an integral part.
+fn refused_equilibria<T>() -> Result<T, ModelError> {
+    let reason = "the integral part of a controller is in balance only at the command; remove integral_gain".to_owned();
+    Err(ModelError::Derivative { what: "the list of equilibria".to_owned(), reason })
 }
 
 /// The coordinate that an output is, as the output of its time derivative of an order.

@@ -98,6 +98,9 @@ impl SavedState {
         if reduced.loading().network.is_some() {
             saved.memory = Memory::with_network(CircuitState::default(), reduced.loading().ports())?;
         }
+        if reduced.loading().integrating().next().is_some() {
+            saved.memory = Memory::with_control(CircuitState::default())?;
+        }
         saved.prescribed = reduced.can_prescribe().then(PrescribedState::default);
         saved.record(record)?;
         saved.check(reduced)?;

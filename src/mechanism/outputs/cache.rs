@@ -1,6 +1,7 @@
 //! What several outputs of one state share, computed when an output first needs it.
 use crate::hydraulics::network::definition::CAPACITY;
 use crate::hydraulics::network::outputs::Present;
+use crate::mechanism::definition::MOST_STATES;
 use crate::mechanism::dynamics::equation::Scratch;
 
 use crate::mechanism::dynamics::inputs::Change;
@@ -201,6 +202,13 @@ impl<N: Number> Direction<N> {
         let air = self.rates.last().filter(|_| loading.air.is_some()).copied().unwrap_or(0.0);
         N::CARRIES.then(|| Change { first: &self.rates[..loads], second: &self.zeros[..loads], airspeed: [air, 0.0] })
     }
+}
+
+/// The direction in which one state changes: sigma (0), sigma_dot (1) or an integral part.
+pub fn of_state(state: usize, change: f64) -> [f64; MOST_STATES] {
+    let mut along = [0.0; MOST_STATES];
+    along[state] = change;
+    along
 }
 
 /// Parts of a reaction: force x, force y, moment.

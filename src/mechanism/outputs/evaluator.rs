@@ -96,6 +96,11 @@ pub trait Kinematics<N: Number> {
         Ok(self.size(drive))
     }
 
+    /// Integral part of the force of a controlled drive, or its rate (order 1).
+    fn integral(&mut self, _drive: usize, _order: usize) -> Result<N, OutputError> {
+        Ok(N::constant(0.0))
+    }
+
     /// Size of a load that the state decides: friction, drag, bumpers, losses of drives.
     fn state_load(&mut self, _load: usize) -> Result<N, OutputError> {
         Ok(N::constant(0.0))
@@ -166,6 +171,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         }
         Output::PressureAngle { coupling } => motion.pressure_angle(coupling)?,
         Output::ActingForce { drive } => motion.acting_force(drive)?,
+        Output::Integral { drive, order } => motion.integral(drive, order)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {
             Some(friction) => {

@@ -6,6 +6,7 @@ mod by_body;
 mod cache;
 mod evaluator;
 mod hydraulic;
+mod integral;
 mod network;
 mod one_element;
 mod reaction;
@@ -14,7 +15,7 @@ mod tabulated;
 mod terms;
 mod view;
 
-pub use cache::Computed;
+pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use reduced_motion::ReducedMotion;
 pub use view::View;

@@ -6,13 +6,13 @@ mod driven;
 mod together;
 
 use crate::hydraulics::network::definition::CAPACITY;
-use crate::mechanism::definition::{Mechanism, Solver};
+use crate::mechanism::definition::{MOST_STATES, Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
 use crate::mechanism::motion::state::{Reached, Start, State};
-use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PARTS, PresentLoads, of_state};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
@@ -248,7 +248,7 @@ impl ReducedMotion {
                 here.exact_reactions(sample(k, panel), &mut self.cache.exact);
             }
         }
-        self.head_for(reduced, inputs, [1.0, 0.0], &|_| 1.0);
+        self.head_for(reduced, inputs, of_state(0, 1.0), &|_| 1.0);
         for output in outputs {
             _ = self.output(reduced, inputs, output);
             _ = self.derivative(reduced, inputs, output);
@@ -305,11 +305,19 @@ impl ReducedMotion {
 /// inner regime; of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays
 /// held.
 impl ReducedMotion {
-    /// Head in a direction in which sigma and sigma_dot change by `along` and the inputs by `seeds`.
+    /// Head in a direction in which sigma, sigma_dot and the integral parts of controllers change by `along` and the
+    /// inputs by `seeds`.
     #[inline]
-    pub fn head_for(&mut self, reduced: &Reduced, inputs: &Inputs, along: [f64; 2], seeds: &dyn Fn(usize) -> f64) {
+    pub fn head_for(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        along: [f64; MOST_STATES],
+        seeds: &dyn Fn(usize) -> f64,
+    ) {
         let direction = self.direction(reduced, inputs);
-        (direction.along, direction.circuit) = (along, [0.0; CAPACITY]);
+        (direction.along, direction.circuit) = ([along[0], along[1]], [0.0; CAPACITY]);
+        direction.circuit[..MOST_STATES - 2].copy_from_slice(&along[2..]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
         if self.driven.is_some() {
             self.drive_along(reduced, inputs, false);
@@ -370,6 +378,17 @@ impl ReducedMotion {
         let forces = view.forces()?;
         let speed = if forces.held.is_some() { 0.0 } else { view.sigma_dot().slope[0] };
         Ok([speed, forces.acceleration.slope[0]])
+    }
+
+    /// Derivative of sigma_ddot in the direction last stated, as if nothing held the mechanism.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    pub fn slope_of_small_motion(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<f64, OutputError> {
+        let direction = self.view(reduced, inputs).forces()?.direction;
+        let Some(mut view) = self.sensitive_view(reduced, inputs) else { return Ok(0.0) };
+        let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
+        Ok(view.equation()?.heading(direction, sigma, sigma_dot)?.slope[0])
     }
 
     #[inline]

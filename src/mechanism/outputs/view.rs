@@ -104,6 +104,7 @@ impl<'a, N: Reading> View<'a, N> {
         if state_loads.is_some() {
             self.cache.forces = None;
         }
+        let integrals = state.memory.integrals().map(|_| self.integrals());
         let OutputCache { scratch, direction, .. } = &mut *self.cache;
         if state_loads.is_some_and(|s| s.air) != scratch.air {
             *scratch = Scratch::new(state_loads);
@@ -126,6 +127,9 @@ impl<'a, N: Reading> View<'a, N> {
                 let of = |k: usize| direction.s.chain(network.values[k], direction.circuit[k]);
                 scratch.set_pressures(cylinder, [of(first), of(first + 1)]);
             }
+        }
+        for (k, value) in integrals.into_iter().flatten().enumerate() {
+            scratch.set_integral(k, value);
         }
         scratch.panel_force.on_stretch(reduced.stretch);
         let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
@@ -188,14 +192,6 @@ impl<'a, N: Reading> View<'a, N> {
             Some(law) => self.delivered(drive) + self.delivered(law.load),
             None => self.delivered(drive),
         }
-    }
-
-    /// Force of a drive before its loss, with that of its law at this speed.
-    pub fn acting(&mut self, drive: usize, speed: N) -> Result<N, OutputError> {
-        let own = self.size(drive);
-        let Some(law) = &self.reduced.loading().drives[drive].law else { return Ok(own) };
-        let motion = [self.displacement(drive, 0)?, speed];
-        Ok(own + law.force(own, |input| self.size(input), motion, |_, margin| margin))
     }
 }
 
@@ -293,7 +289,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(self.size(drive));
         }
         let speed = self.displacement(drive, 1)?;
-        self.acting(drive, speed)
+        Ok(self.acting(drive, speed)?[0])
+    }
+
+    fn integral(&mut self, drive: usize, order: usize) -> Result<N, OutputError> {
+        self.integral_of(drive, order)
     }
 
     #[inline]

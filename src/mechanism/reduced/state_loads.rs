@@ -39,6 +39,8 @@ pub struct StateLoads {
     pub laws: Vec<LawLoad>,
     /// Drives with a position gain, by their indices in `laws`.
     pub positioned: Vec<usize>,
+    /// Number of integral parts of controllers.
+    pub integrals: usize,
     /// Limits of the forces of controlled drives: index in `laws`, 0 for the lower limit or 1 for the upper one.
     pub limits: Vec<(usize, usize)>,
     /// Whether friction holds at rest.
@@ -169,6 +171,7 @@ impl StateLoads {
             efficient,
             laws,
             positioned,
+            integrals: loading.integrating().count(),
             limits,
             sticks,
             loses,

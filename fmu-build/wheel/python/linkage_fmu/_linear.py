@@ -16,7 +16,7 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 @dataclass(frozen=True)
 class LinearModel:
     """Linear model of small motions about rest at one position: x' = A x + B u, y = C x + D u. The state x consists of
-    one coordinate of the mechanism and the time derivative of this coordinate."""
+    one coordinate of the mechanism, the time derivative of this coordinate, and the integral parts of controllers."""
 
     #: Name of the coordinate.
     coordinate: str
@@ -38,12 +38,12 @@ class LinearModel:
     #: oscillation.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].
-    eigenvalues: tuple[complex, complex]
-    #: Matrix A of x' = A x + B u, with two rows and two columns.
+    eigenvalues: tuple[complex, ...]
+    #: Matrix A of x' = A x + B u, with one row and one column for each state.
     A: Array
-    #: Matrix B of x' = A x + B u, with two rows and one column for each input.
+    #: Matrix B of x' = A x + B u, with one row for each state and one column for each input.
     B: Array
-    #: Matrix C of y = C x + D u, with one row for each output and two columns.
+    #: Matrix C of y = C x + D u, with one row for each output and one column for each state.
     C: Array
     #: Matrix D of y = C x + D u, with one row for each output and one column for each input.
     D: Array
@@ -64,8 +64,8 @@ def linearise(
     name, u, y, all_at = found
     models = []
     for at in all_at:
-        first, second = (complex(*pair) for pair in at.pop("eigenvalues"))
+        eigenvalues = tuple(complex(*pair) for pair in at.pop("eigenvalues"))
         a, b, c, d = (np.array(at.pop(key), dtype=float) for key in "abcd")
-        b, d = b.reshape(2, len(u)), d.reshape(len(y), len(u))
-        models.append(LinearModel(name, tuple(u), tuple(y), eigenvalues=(first, second), A=a, B=b, C=c, D=d, **at))
+        b, d = b.reshape(len(a), len(u)), d.reshape(len(y), len(u))
+        models.append(LinearModel(name, tuple(u), tuple(y), eigenvalues=eigenvalues, A=a, B=b, C=c, D=d, **at))
     return models

@@ -44,7 +44,12 @@ impl<T: Number> StateLoadEvaluator<T> {
                 switches.see(switch - 1, margin)
             };
             let own = applied.size(drive, t);
-            self.delivered[law_load.at] = law.force(own, |input| applied.size(input, t), [position, speed], margin);
+            let [force, rate] =
+                law.force(own, |input| applied.size(input, t), [position, speed], &self.integrals, margin);
+            self.delivered[law_load.at] = force;
+            if let Some(integral) = law.integral {
+                self.integral_rates[integral] = rate;
+            }
         }
         for (k, &load) in state_loads.drives[..first_law].iter().enumerate() {
             let influence = at(state_loads.given(0, load));

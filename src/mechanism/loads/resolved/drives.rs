@@ -2,7 +2,7 @@
 //!
 //! In: a definition of a drive. Out: its law, with the names of the commands. It must not know the state.
 use crate::mechanism::definition::{self, Actuator, DefinitionError};
-use crate::mechanism::loads::laws::control::Control;
+use crate::mechanism::loads::laws::control::{Control, Integral};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
 use crate::numerics::monotone::monotone;
@@ -30,6 +30,8 @@ pub struct DriveLaw {
     pub load: usize,
     /// What sizes the load.
     pub kind: DriveLawKind,
+    /// Index of the integral part among those of all drives; none without one.
+    pub integral: Option<usize>,
 }
 
 /// What sizes the load of a drive's law.
@@ -48,11 +50,10 @@ impl DriveLaw {
     /// The limits of the force exclude each other.
     pub(super) fn new(name: &str, drive: &Actuator, load: usize) -> Result<Option<Self>, DefinitionError> {
         if let Some(curve) = drive.points.as_ref().and_then(|points| monotone(points)) {
-            return Ok(Some(Self { load, kind: DriveLawKind::Curve(curve) }));
+            return Ok(Some(Self { load, kind: DriveLawKind::Curve(curve), integral: None }));
         }
-        let Some(definition::Control { position_gain, speed_gain, min_force, max_force, .. }) = drive.control else {
-            return Ok(None);
-        };
+        let Some(control) = drive.control else { return Ok(None) };
+        let definition::Control { position_gain, speed_gain, min_force, max_force, .. } = control;
         if let (Some(least), Some(most)) = (min_force, max_force)
             && least >= most
         {
@@ -60,8 +61,9 @@ impl DriveLaw {
             let key = format_args!("actuators.{name}.control.max_force");
             return Err(DefinitionError::value(key, Decimal(most), allowed));
         }
-        let control = Control { position_gain, speed_gain, limits: [min_force, max_force] };
-        Ok(Some(Self { load, kind: DriveLawKind::Control(control) }))
+        let integral = integral_of(name, &control)?;
+        let control = Control { position_gain, speed_gain, integral, limits: [min_force, max_force] };
+        Ok(Some(Self { load, kind: DriveLawKind::Control(control), integral: None }))
     }
 
     /// Names of the inputs that are the commands of the law of a drive with this name.
@@ -99,34 +101,59 @@ impl DriveLaw {
         if let DriveLawKind::Control(control) = &self.kind { Some(control) } else { None }
     }
 
-    /// Force of the drive at rest before the limits, with the force `own` of its input [N or N.m], and two time
-    /// derivatives of it: `input` are those of an input, x is the displacement of the drive [m or rad].
+    /// Force of the drive at rest before the limits, without its integral part, with the force `own` of its input [N or
+    /// N.m], and two time derivatives of it: `input` are those of an input, x is the displacement of the drive [m or
+    /// rad].
     pub fn at_rest(&self, own: [f64; 3], input: impl Fn(usize) -> [f64; 3], x: f64) -> [f64; 3] {
         std::array::from_fn(|order| {
             let (command, x) = (|k: usize| input(self.load + k)[order], if order == 0 { x } else { 0.0 });
             match &self.kind {
                 DriveLawKind::Curve(force) => own[order] + command(0) * force.at(0.0)[0],
-                DriveLawKind::Control(control) => control.demanded(own[order], command, [x, 0.0]),
+                DriveLawKind::Control(control) => control.demanded(own[order], command, [x, 0.0], 0.0),
             }
         })
     }
 
     /// Force that it adds to the force `own` of the drive's input [N or N.m]: `command` is the size of an input,
-    /// `motion` the displacement and the speed of the drive, `margin` as in [`Control::limited`].
+    /// `motion` the displacement and the speed of the drive, `margin` as in [`Control::limited`]. With it the rate of
+    /// the integral part in `integrals`, 0 without one.
     #[inline]
     pub fn force<T: Number>(
         &self,
         own: T,
         command: impl Fn(usize) -> T,
         motion: [T; 2],
+        integrals: &[T],
         margin: impl FnMut(usize, f64) -> f64,
-    ) -> T {
+    ) -> [T; 2] {
+        let zero = T::constant(0.0);
         match &self.kind {
-            DriveLawKind::Curve(force) => command(self.load) * motion[1].compose(force.at(motion[1].value())),
+            DriveLawKind::Curve(force) => [command(self.load) * motion[1].compose(force.at(motion[1].value())), zero],
             DriveLawKind::Control(control) => {
-                let demanded = control.demanded(own, |k| command(self.load + k), motion);
-                control.limited(demanded, margin) - own
+                let command = |k| command(self.load + k);
+                let integral = self.integral.map_or(zero, |k| integrals[k]);
+                let demanded = control.demanded(own, command, motion, integral);
+                let limited = control.limited(demanded, margin);
+                [limited - own, control.rate(command, motion[0], [demanded, limited])]
             }
         }
     }
+}
+
+/// The integral part of a controller; none without one.
+///
+/// # Errors
+/// The default of its tracking time is 0.
+fn integral_of(name: &str, control: &definition::Control) -> Result<Option<Integral>, DefinitionError> {
+    let definition::Control { position_gain, integral_gain, tracking_time, min_force, max_force, .. } = *control;
+    let Some(gain) = integral_gain else { return Ok(None) };
+    let default = if gain == 0.0 { 0.0 } else { gain / position_gain.unwrap_or(0.0) };
+    let is_limited = min_force.or(max_force).is_some();
+    let tracking = if is_limited { tracking_time.map_or(default, |time| 1.0 / time) } else { 0.0 };
+    if tracking.is_finite() {
+        return Ok(Some(Integral { gain, tracking }));
+    }
+    let message = "the default position_gain / integral_gain is too small, because position_gain is: give \
+                   tracking_time, a larger position_gain, or no limit of the force";
+    Err(DefinitionError::key(format_args!("actuators.{name}.control.tracking_time"), message.to_owned()))
 }

@@ -25,6 +25,19 @@ impl JointFriction {
         self.friction_joints.iter().filter(|joint| self.enabled || joint.kind != FrictionKind::Joint)
     }
 
+    /// Whether the friction with this index acts, or the constant friction of the same joint.
+    pub fn acts(&self, index: usize) -> bool {
+        let (first, constant) = self.of_joint(index);
+        self.enabled || first.kind != FrictionKind::Joint || constant.is_some()
+    }
+
+    /// The friction that sticks and the losses, by their indices, each joint once: these jump where its slip turns.
+    pub fn turning(&self) -> impl Iterator<Item = usize> + '_ {
+        let all = &self.friction_joints;
+        let is_first = |k: &usize| all[..*k].iter().all(|before| before.joint != all[*k].joint);
+        (0..all.len()).filter(|k| all[*k].law.sticks).filter(is_first)
+    }
+
     /// The friction with this index, and the constant friction of the same joint where that is another one.
     pub fn of_joint(&self, index: usize) -> (&FrictionJoint, Option<&FrictionJoint>) {
         let first = &self.friction_joints[index];

@@ -68,7 +68,7 @@ impl Model {
 
     /// x_dot and v_dot under a prescribed motion.
     pub(super) fn prescribed_derivatives(&mut self) -> Result<[f64; 2], NoValue> {
-        let [_, speed] = self.continuous_states()?;
+        let [_, speed] = self.states_of_motion()?;
         let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised.into());
         };

@@ -94,6 +94,22 @@ pub fn value_of(
                 _ => v,
             }
         }
+        Indicator::Breakaway => {
+            let (sigma, mut equation) = (state.sigma, view.equation()?);
+            match v == 0.0 && equation.reverses() {
+                true => equation.setting_off(sigma, 1.0)?.max(-equation.setting_off(sigma, -1.0)?),
+                false => ABSENT,
+            }
+        }
+        Indicator::Turn(index) => match &loading.friction {
+            Some(friction) if friction.acts(index) => {
+                let (table, position) =
+                    view.reduced.displacement_around(friction.friction_joints[index].load, state.sigma)?;
+                // A joint that does not turn has an influence of rounding size.
+                table.value(position, 1) + PLACE_SHIFT / view.reduced.scale()
+            }
+            _ => ABSENT,
+        },
         Indicator::Slip { joint, kinetic } => match &loading.friction {
             Some(friction) if friction.enabled => {
                 let joint = &friction.friction_joints[joint];

@@ -5,6 +5,7 @@
 use super::Dynamics;
 use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
+use crate::mechanism::dynamics::controlled::CONTROLLED;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
 use crate::mechanism::dynamics::network::{Level, NETWORKED};
@@ -45,16 +46,19 @@ where
             self.scratch.evaluator.pressures[0] = [z[MOTION], z[MOTION + 1]];
         } else if N == NETWORKED {
             self.set_pressures_of_network(z);
+        } else if N == CONTROLLED {
+            self.set_integrals(z);
         }
     }
 
     #[inline(always)]
     fn set_held(&mut self, held: bool) {
-        if let (true, Some(ports)) = (N == DRIVEN, &mut self.ports) {
-            ports.held = held;
+        if N > MOTION {
+            self.mode.held = held;
         }
-        if let (true, Some(network)) = (N == NETWORKED, &mut self.network) {
-            network.held = held;
+        if N == CONTROLLED {
+            // At rest, limits of the force of a controller are no events.
+            self.clear_signs();
         }
     }
 

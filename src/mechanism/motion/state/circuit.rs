@@ -1,7 +1,8 @@
-//! Steps with the hydraulic circuit of a drive or the network of the mechanism, and what they refuse.
+//! Steps with the hydraulic circuit of a drive, the network of the mechanism or integral parts of controllers, and what
+//! they refuse.
 //!
-//! In: an equation of motion, the state of the circuit or network, inputs. Out: the state after the step, or what keeps
-//! the motion from going on. It must not know outputs.
+//! In: an equation of motion, the state of the circuit, network or controllers, inputs. Out: the state after the step,
+//! or what keeps the motion from going on. It must not know outputs.
 use super::inputs::engaged_locks;
 use super::{State, set_locks};
 use crate::codec::record::{Damaged, Record};
@@ -9,6 +10,8 @@ use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::network::laws::Laws;
 use crate::integrator::{IntegrationError, Statistics, System};
+use crate::mechanism::definition::{MOST_INTEGRALS, Mechanism};
+use crate::mechanism::dynamics::controlled::CONTROLLED;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION, Ports};
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -71,6 +74,16 @@ impl<'e> Hydraulics<'e, NETWORKED> for EquationOfMotion<'e> {
     }
 }
 
+impl<'e> Hydraulics<'e, CONTROLLED> for EquationOfMotion<'e> {
+    fn begin(&mut self, _inputs: &'e Inputs, _time: f64, _h: f64) -> Option<()> {
+        Some(())
+    }
+
+    fn why_stuck(&self, error: IntegrationError, _z: &[f64; CONTROLLED]) -> Stopped {
+        Stopped::Integration(error)
+    }
+}
+
 impl<const N: usize, const C: usize> HydraulicMotion for HydraulicMemory<N, C>
 where
     for<'e> EquationOfMotion<'e>: Hydraulics<'e, N> + System<N>,
@@ -89,7 +102,8 @@ where
         (z[0], z[1]) = (sigma, sigma_dot);
         z[MOTION..].copy_from_slice(&circuit.values);
         let start = [sigma, sigma_dot, 0.0];
-        let Some(first) = dynamics.whole.loading().first_port() else { return (Ok(0.0), start, ends.locked) };
+        // Controllers have no inputs but those that size loads.
+        let first = dynamics.whole.loading().first_port().unwrap_or(0);
         let now = &inputs.reals[first..first + ports.len()];
         if !same_bits(ports, now) {
             ports.copy_from_slice(now);
@@ -179,6 +193,15 @@ where
         let other = (other as &dyn Any).downcast_ref();
         other.map(|other| Self::copy_from(self, other)).is_some()
     }
+}
+
+/// The integral parts of the controllers of a mechanism at its start.
+pub fn control_at_start(mechanism: &Mechanism) -> CircuitState<MOST_INTEGRALS> {
+    let mut state = CircuitState::default();
+    for (value, (_, control)) in state.values.iter_mut().zip(mechanism.integrating_drives()) {
+        *value = control.start_integral.unwrap_or(0.0);
+    }
+    state
 }
 
 /// The state of a network at its start, at these lengths of the cylinders [m].

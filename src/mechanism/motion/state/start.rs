@@ -2,7 +2,7 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::circuit::network_at_start;
+use super::circuit::{control_at_start, network_at_start};
 use super::inputs::{Before, engaged_locks};
 use super::ports::check_ports;
 use super::{State, check_length, rates};
@@ -220,6 +220,9 @@ impl State {
                     let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
                     let state = network_at_start(system, &drives.laws, &lengths);
                     saved.memory = Memory::with_network(state, reduced.loading().ports())?;
+                }
+                _ if reduced.loading().integrating().next().is_some() => {
+                    saved.memory = Memory::with_control(control_at_start(mechanism))?;
                 }
                 _ => saved.memory.begin(state_loads.is_some()),
             },
