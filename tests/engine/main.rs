@@ -3,6 +3,7 @@
 
 mod bad_input;
 mod benchmarks;
+mod between_bodies;
 mod bounds;
 mod cam_profiles;
 mod cams;

@@ -1,4 +1,5 @@
 //! Stops at the ends of the travel, and locks that hold the mechanism there.
+use super::between::Between;
 use crate::format::{Flag, Key, Owner, Range, Role, Visit, curve, either, element, keys, number, point, words};
 use crate::variables::Unit::{
     Metre, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetreSecondPerRadian, NewtonPerMetre, NewtonSecondPerMetre,
@@ -7,7 +8,8 @@ use crate::variables::Unit::{
 
 keys! {
     /// A stop ends the travel of the mechanism on one side. A stop limits one quantity: the angle of a body, the
-    /// position of a prismatic joint, the angle of a revolute joint, or the distance between two points.
+    /// position of a prismatic joint, the angle of a revolute joint, the distance between two points, or the angle
+    /// between two bodies.
     pub struct Stop {
         /// Body whose angle is limited.
         body: Option<String> => element();
@@ -17,11 +19,15 @@ keys! {
         first: Option<String> => point();
         /// Second of the two points (`body.point`) whose distance is limited.
         second: Option<String> => point();
+        /// First of two bodies between which the angle is limited, in place of the key `body`.
+        first_body: Option<String> => element();
+        /// Second of the two bodies. The angle of the stop is the angle of this body relative to the first body.
+        second_body: Option<String> => element();
         /// Side on which the stop limits the motion. `lower`: the angle, position or distance cannot fall below the
         /// value at the stop. `upper`: the angle, position or distance cannot rise above the value at the stop.
         limit: Limit => Key::PLAIN.required();
-        /// Angle at the stop [rad]: the angle of the body, or the angle of a revolute joint (angle of the second body
-        /// relative to the first body).
+        /// Angle at the stop [rad]: the angle of the body, or the angle of the second body relative to the first body
+        /// for a revolute joint or two bodies.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
         /// Position of the prismatic joint at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
@@ -76,6 +82,12 @@ words! {
 }
 
 impl Stop {
+    /// Where the stop acts; None for a stop of the angle of one body, or if the keys do not
+    /// state one place.
+    pub fn between(&self) -> Option<Between<'_>> {
+        Between::of([&self.first, &self.second], &self.joint, [&self.first_body, &self.second_body])
+    }
+
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let is_rotary = self.angle.is_some();
         Owner { group: Some("stops"), name, is_rotary }.parameters(self, &Some, visit);

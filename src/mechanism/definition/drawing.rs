@@ -3,6 +3,7 @@
 //!
 //! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
 //! It must not know how loops are closed.
+use super::between::Between;
 use super::bodies::{Body, JointKind};
 use super::loads::Actuator;
 use super::mechanism::{GROUND, Mechanism};
@@ -124,13 +125,12 @@ impl Units {
 impl Mechanism {
     /// Whether the motion of a drive is an angle.
     pub(crate) fn turns(&self, drive: &Actuator) -> bool {
-        self.is_rotary(&drive.joint) || drive.screw.is_some()
+        self.is_rotary(drive.between()) || drive.screw.is_some()
     }
 
-    /// Whether a load in this joint turns; one between two points does not.
-    fn is_rotary(&self, joint: &Option<String>) -> bool {
-        let joint = joint.as_ref().and_then(|joint| self.joints.get(joint));
-        joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
+    /// Whether a load there is a torque.
+    fn is_rotary(&self, place: Option<Between>) -> bool {
+        place.is_some_and(|place| place.is_rotary(&self.joints))
     }
 
     /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
@@ -171,7 +171,7 @@ impl Mechanism {
     /// Paths of the elements whose numbers have the second one of two units: those of a joint that turns.
     pub(super) fn rotary(&self) -> HashSet<String> {
         let drives = self.actuators.iter().filter(|(_, drive)| self.turns(drive));
-        let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(&spring.joint));
+        let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(spring.between()));
         let stops = self.stops.iter().filter(|(_, stop)| stop.angle.is_some());
         let couplings = self.couplings.iter().filter(|(_, coupling)| coupling.joint.is_none());
         let paths = drives.map(|(name, _)| format!("actuators.{name}"));

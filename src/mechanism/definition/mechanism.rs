@@ -190,16 +190,16 @@ impl Mechanism {
         joints.iter_mut().for_each(|(name, joint)| joint.parameters(name, visit));
         self.couplings.iter_mut().for_each(|(name, coupling)| coupling.parameters(name, visit));
         self.actuators.iter_mut().for_each(|(name, actuator)| {
-            let joint = actuator.joint.as_ref().and_then(|joint| joints.get(joint));
-            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
+            let turns = actuator.between().is_some_and(|place| place.is_rotary(joints));
+            let is_rotary = turns || actuator.screw.is_some();
             actuator.parameters(name, is_rotary, visit);
         });
         self.hydraulics.iter_mut().for_each(|network| network.element_parameters(visit));
         self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
         self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));
         self.springs.iter_mut().for_each(|(name, spring)| {
-            let joint = spring.joint.as_ref().and_then(|joint| joints.get(joint));
-            spring.parameters(name, joint.is_some_and(|joint| joint.kind == JointKind::Revolute), visit);
+            let is_rotary = spring.between().is_some_and(|place| place.is_rotary(joints));
+            spring.parameters(name, is_rotary, visit);
         });
         self.friction.iter_mut().for_each(|friction| friction.parameters(visit));
         self.air.iter_mut().for_each(|air| air.parameters(visit));

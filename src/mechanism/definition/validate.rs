@@ -5,6 +5,7 @@
 mod names;
 mod network;
 
+use super::between::{Between, PLACES};
 use super::bodies::{Body, Joint, JointKind};
 use super::characteristics::{check_bumper, check_damper, check_drive, check_spring};
 use super::contact::Stop;
@@ -173,7 +174,7 @@ impl Mechanism {
     fn check_drives(&self, faults: &mut Faults) {
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
-            let Some(is_rotary) = faults.keep(self.check_ends(&key, &a.first, &a.second, &a.joint)) else { continue };
+            let Some(is_rotary) = faults.keep(self.check_between(&key, a.between())) else { continue };
             if a.screw.is_some() {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
                 if is_rotary {
@@ -188,8 +189,8 @@ impl Mechanism {
             let turns = is_rotary || a.screw.is_some();
             let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
-                let message = "a drive in a revolute joint or with a screw has a torque; all other drives have a \
-                               force";
+                let message = "a drive in a revolute joint, between two bodies or with a screw has a torque; all other \
+                               drives have a force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
             if let Some(circuit) = &a.hydraulics {
@@ -223,12 +224,11 @@ impl Mechanism {
     fn check_loads(&self, faults: &mut Faults) {
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");
-            let ends = self.check_ends(&key, &spring.first, &spring.second, &spring.joint);
-            let Some(is_rotary) = faults.keep(ends) else { continue };
+            let Some(is_rotary) = faults.keep(self.check_between(&key, spring.between())) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                let message = "a spring in a revolute joint has the key free_angle; all other springs have the key \
-                               free_length";
+                let message = "a spring in a revolute joint or between two bodies has the key free_angle; all other \
+                               springs have the key free_length";
                 faults.keep::<()>(refused(&key, message));
             }
             faults.keep(check_spring(&key, spring, is_rotary));
@@ -266,16 +266,12 @@ impl Mechanism {
         }
     }
 
-    /// Two different points, or one joint; whether it is a revolute joint.
-    fn check_ends(
-        &self,
-        key: &str,
-        first: &Option<String>,
-        second: &Option<String>,
-        joint: &Option<String>,
-    ) -> Result<bool, DefinitionError> {
-        match (first, second, joint) {
-            (Some(first), Some(second), None) => {
+    /// Two different points, one joint or two different bodies; whether a load there is a torque.
+    fn check_between(&self, key: &str, place: Option<Between>) -> Result<bool, DefinitionError> {
+        let Some(place) = place else { return refused(key, PLACES) };
+        let body = |key: &str, name: &str| self.named_body(key, name).map(drop);
+        match place {
+            Between::Points([first, second]) => {
                 let one = self.point(format_args!("{key}.first"), first)?;
                 let other = self.point(format_args!("{key}.second"), second)?;
                 if one == other {
@@ -284,14 +280,17 @@ impl Mechanism {
                         "both ends are the same point, so the length is zero: give two different points",
                     );
                 }
-                Ok(false)
             }
-            (None, None, Some(joint)) => {
-                let joint = entry(format_args!("{key}.joint"), "joints", &self.joints, joint)?;
-                Ok(joint.kind == JointKind::Revolute)
+            Between::Joint(joint) => self.named_joint(&format!("{key}.joint"), joint).map(drop)?,
+            Between::Bodies([first, second]) => {
+                body(&format!("{key}.first_body"), first)?;
+                body(&format!("{key}.second_body"), second)?;
+                if first == second {
+                    return refused(key, "both keys name the same body, so the angle is zero: name two bodies");
+                }
             }
-            _ => refused(key, "give the keys \"first\" and \"second\", or the key \"joint\""),
         }
+        Ok(place.is_rotary(&self.joints))
     }
 
     fn check_surfaces(&self, faults: &mut Faults) {
@@ -339,19 +338,18 @@ impl Mechanism {
 
     fn check_stop(&self, name: &str, s: &Stop) -> Check {
         let key = format!("stops.{name}");
-        let asked = match (&s.body, &s.joint, &s.first, &s.second) {
-            (Some(body), None, None, None) => {
+        let has_ends = [&s.joint, &s.first, &s.second, &s.first_body, &s.second_body].iter().any(|end| end.is_some());
+        let asked = match (&s.body, s.between()) {
+            (Some(body), None) if !has_ends => {
                 entry(format_args!("{key}.body"), "bodies", &self.bodies, body)?;
                 "angle"
             }
-            (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
-                match (self.check_ends(&key, &s.first, &s.second, &s.joint)?, &s.joint) {
-                    (true, _) => "angle",
-                    (false, Some(_)) => "position",
-                    (false, None) => "length",
-                }
-            }
-            _ => return refused(key, "give the key \"body\", the key \"joint\", or the keys \"first\" and \"second\""),
+            (None, Some(place)) => match (self.check_between(&key, Some(place))?, &s.joint) {
+                (true, _) => "angle",
+                (false, Some(_)) => "position",
+                (false, None) => "length",
+            },
+            _ => return refused(key, format!("give the key \"body\", or {}", &PLACES[5..])),
         };
         let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {

@@ -2,7 +2,7 @@
 //!
 //! In: a checked definition. Out: a linkage. It must not know positions.
 use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Line, Linkage, Point, Rotor, Stroke};
-use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
+use crate::mechanism::definition::{self, Between, DefinitionError, JointKind, Mechanism, Shape};
 use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
@@ -115,17 +115,17 @@ impl Linkage {
     fn add_rotors(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
         for (name, drive) in mechanism.actuators.iter() {
             let Some(screw) = drive.screw else { continue };
-            let line = match (&drive.first, &drive.second, &drive.joint) {
-                (Some(first), Some(second), _) => {
+            let line = match drive.between() {
+                Some(Between::Points([first, second])) => {
                     let end =
                         |key: &str, text: &str| self.locate(mechanism, format_args!("actuators.{name}.{key}"), text);
                     Line::Between(end("first", first)?, end("second", second)?)
                 }
-                (.., Some(joint)) => match mechanism.joints.position(joint) {
+                Some(Between::Joint(joint)) => match mechanism.joints.position(joint) {
                     Some(index) => Line::Joint(index),
                     None => continue,
                 },
-                _ => continue,
+                Some(Between::Bodies(_)) | None => continue,
             };
             self.rotors.push(Rotor { stroke: Stroke::Along(line), mass: screw.reflected_mass() });
         }

@@ -134,8 +134,7 @@ impl Loading {
         let mut constant: Vec<(f64, Load)> = Vec::new();
         let mut drives = Vec::new();
         for (name, a) in mechanism.actuators.iter() {
-            let load =
-                between(mechanism, linkage, hinges, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
+            let load = between(mechanism, linkage, hinges, format_args!("actuators.{name}"), a.between())?;
             let load = match a.screw {
                 Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
                 None => load,
@@ -179,8 +178,7 @@ impl Loading {
         loads.extend(more);
         let mut springs = Vec::new();
         for (name, s) in mechanism.springs.iter() {
-            let load =
-                between(mechanism, linkage, hinges, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
+            let load = between(mechanism, linkage, hinges, format_args!("springs.{name}"), s.between())?;
             springs.push(Spring {
                 name: name.into(),
                 load: loads.len(),
@@ -222,14 +220,13 @@ impl Loading {
                 Some(body) => {
                     let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
-                        let message = format!("{body} does not turn: give a body that turns, a joint or two points");
+                        let message =
+                            format!("{body} does not turn: give a body that turns, a joint, two points or two bodies");
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
                     Load::Torque { body: carrier, shift }
                 }
-                None => {
-                    between(mechanism, linkage, hinges, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?
-                }
+                None => between(mechanism, linkage, hinges, format_args!("stops.{name}"), s.between())?,
             };
             let quantity = match load {
                 Load::Torque { .. } | Load::Couple { .. } => "angle",

@@ -126,7 +126,10 @@ impl Load {
                 (format!("the two ends are {s} m apart in every position"), "give two points whose distance changes")
             }
             Self::Slide { .. } => (format!("the joint is at {s} m in every position"), "give a joint that moves"),
-            _ => (format!("the joint is at {s} rad in every position"), "give a joint that moves"),
+            _ => (
+                format!("the angle is {s} rad in every position"),
+                "give a joint that moves, or two bodies that turn relative to each other",
+            ),
         }
     }
 
