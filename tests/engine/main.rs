@@ -59,6 +59,7 @@ mod screws;
 mod several_stops;
 mod singular;
 mod singular_together;
+mod slots;
 mod solver_method;
 mod start_at_guess;
 mod stiction;

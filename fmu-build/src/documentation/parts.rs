@@ -44,6 +44,7 @@ pub fn tables(mechanism: &Mechanism, units: &FileUnits) -> Vec<Table> {
         let kind = match joint.kind {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
+            JointKind::Slot => "slot",
         };
         vec![name.to_owned(), kind.to_owned(), joint.first.clone(), joint.second.clone()]
     });

@@ -29,7 +29,7 @@ keys! {
         /// Angle at the stop [rad]: the angle of the body, or the angle of the second body relative to the first body
         /// for a revolute joint or two bodies.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
-        /// Position of the prismatic joint at the stop [m].
+        /// Position of the prismatic joint or of the slot at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \

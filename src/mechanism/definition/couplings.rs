@@ -258,7 +258,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("this joint is a revolute joint: give the prismatic joint in which the {what} slides"),
+                &format!("this joint is not prismatic: give the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {

@@ -282,18 +282,28 @@ impl Mechanism {
             let (Some((from, angle)), Some((to, _))) = (place(&joint.first), place(&joint.second)) else { continue };
             let axis = turned(Vec2::x(), angle + joint.axis_angle.unwrap_or(0.0));
             let gap = to - from;
-            let off = if is_prismatic { cross(axis, gap).abs() } else { gap.norm() };
+            let (off, what, position) = match joint.kind {
+                JointKind::Revolute => (gap.norm(), "away from the first point", None),
+                JointKind::Prismatic => {
+                    let off = cross(axis, gap).abs();
+                    (off, "off the line through the first point", is_own.then(|| axis.dot(&gap)))
+                }
+                JointKind::Slot => {
+                    let Some([s, off]) = joint.track().map(|track| track.nearest(turned(gap, -angle))) else {
+                        continue;
+                    };
+                    (off, "away from the slot", Some(s))
+                }
+            };
             if off > OPEN * size {
-                let what =
-                    if is_prismatic { "off the line through the first point" } else { "away from the first point" };
                 let message = format!(
                     "the second point of the joint is drawn {} m {what}: correct one of the two points",
                     Decimal::rounded(off)
                 );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
             }
-            if is_own && self.guess.get(name).is_none() {
-                guesses.push((name.to_owned(), axis.dot(&gap)));
+            if let Some(position) = position.filter(|_| self.guess.get(name).is_none()) {
+                guesses.push((name.to_owned(), position));
             }
         }
         // One body of each group that turns together, unless the file states one.

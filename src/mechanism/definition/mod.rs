@@ -20,6 +20,7 @@ mod mechanism;
 mod motion;
 mod named_parameter;
 mod refusal;
+mod slots;
 mod validate;
 mod warnings;
 

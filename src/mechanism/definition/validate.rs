@@ -151,14 +151,20 @@ impl Mechanism {
             let key = |k: &str| format!("joints.{name}.{k}");
             faults.keep(self.point(key("first"), &joint.first));
             faults.keep(self.point(key("second"), &joint.second));
-            let is_revolute = joint.kind == JointKind::Revolute;
+            faults.keep(joint.check_slot(&format!("joints.{name}")));
+            let (is_revolute, is_prismatic) = (joint.kind == JointKind::Revolute, joint.kind == JointKind::Prismatic);
+            let is_slot = joint.kind == JointKind::Slot;
+            let no_slot = "a slot cannot have this key: remove the key";
             let no_slide = "only a prismatic joint has this key: remove the key";
             let no_pin = "only a revolute joint has this key: remove the key";
             let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
-                ("axis_angle", joint.axis_angle, is_revolute, no_slide),
-                ("angle", joint.angle, is_revolute, no_slide),
+                ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
+                ("angle", joint.angle, !is_prismatic, no_slide),
+                ("armature", joint.armature, is_slot, no_slot),
+                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
+                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
@@ -184,6 +190,14 @@ impl Mechanism {
                 }
                 if a.hydraulics.is_some() {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
+                }
+            }
+            let slot = a.joint.as_ref().and_then(|joint| self.joints.get(joint)).filter(|j| j.kind == JointKind::Slot);
+            for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
+                if slot.is_some() && is_given {
+                    let message =
+                        "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+                    faults.keep::<()>(refused(format_args!("{key}.{k}"), message));
                 }
             }
             let turns = is_rotary || a.screw.is_some();
@@ -256,12 +270,14 @@ impl Mechanism {
             } else if is_body || is_joint {
                 faults.keep(range.check_in(unit, key, value));
             } else {
-                let slides = self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic);
+                let slides = self.joints.iter().filter(|(_, joint)| joint.slides());
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
-                let allowed = alternatives("the bodies and prismatic joints", &names, name);
-                faults
-                    .keep::<()>(refused(key, format!("there is no body or prismatic joint with this name; {allowed}")));
+                let allowed = alternatives("the bodies, prismatic joints and slots", &names, name);
+                faults.keep::<()>(refused(
+                    key,
+                    format!("there is no body, prismatic joint or slot with this name; {allowed}"),
+                ));
             }
         }
     }
@@ -390,7 +406,7 @@ impl Mechanism {
             (None, None, None, None) if s.equilibrium && s.speed == 0.0 => Ok(()),
             (Some(body), Some(_), None, None) => entry("start.body", "bodies", &self.bodies, body).map(|_| ()),
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
-                JointKind::Prismatic => Ok(()),
+                JointKind::Prismatic | JointKind::Slot => Ok(()),
                 JointKind::Revolute => {
                     let message = "must be a prismatic joint; for a revolute joint give body and angle";
                     refused("start.joint", message)

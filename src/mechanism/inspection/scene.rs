@@ -44,7 +44,7 @@ pub struct DrawnBody {
 pub struct DrawnJoint {
     /// Name.
     pub name: String,
-    /// Point of the first body.
+    /// Point of the first body; of a slot the pin.
     pub first: On,
     /// Point of the second body.
     pub second: On,
@@ -80,10 +80,10 @@ pub struct Surface {
     pub half: Option<[f64; 2]>,
 }
 
-/// A line fixed to a body: the pitch curve of a wheel, the profile of a cam, a roller or a flat face.
+/// A line fixed to a body: the pitch curve of a wheel, the profile of a cam, a roller, a flat face or a slot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnOutline {
-    /// Name of the coupling.
+    /// Name of the coupling or of the joint that is a slot.
     pub name: String,
     /// Index of the body of the linkage; 0 is the ground.
     pub frame: usize,
@@ -161,7 +161,7 @@ pub struct Scene {
     pub torques: Vec<NamedPoint>,
     /// Markers.
     pub markers: Vec<NamedPoint>,
-    /// Outlines of the wheels and cams of couplings.
+    /// Outlines of the wheels and cams of couplings, and of slots.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outlines: Vec<DrawnOutline>,
     /// Surfaces with drag.
@@ -243,10 +243,11 @@ impl Reader<'_> {
         let defined = self.mechanism.joints.iter().map(|(_, joint)| joint);
         let drawn = self.linkage.joints.iter().zip(defined).map(|(joint, defined)| DrawnJoint {
             name: joint.name.clone(),
-            first: joint.first.into(),
+            // The pin of a slot is drawn, not the point to which its curve refers.
+            first: if let Freedom::Slot(_) = joint.freedom { joint.second } else { joint.first }.into(),
             second: joint.second.into(),
             axis: match joint.freedom {
-                Freedom::Revolute | Freedom::Coupling(_) => None,
+                Freedom::Revolute | Freedom::Slot(_) | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(axis) => Some(axis.into()),
             },
             pin_radius: defined.pin_radius,
@@ -265,7 +266,12 @@ impl Reader<'_> {
                 is_closed,
             })
         });
-        drawn.collect()
+        let slots = self.linkage.slots.iter().map(|slot| {
+            let name = self.linkage.joints[slot.joint].name.clone();
+            let Outline { body, points, is_closed } = self.linkage.slot_outline(slot);
+            DrawnOutline { name, frame: body, points: points.into_iter().map(Vec2::into).collect(), is_closed }
+        });
+        drawn.chain(slots).collect()
     }
 
     fn surfaces(&self) -> Result<Vec<Surface>, DefinitionError> {

@@ -161,6 +161,9 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
         let offset = |linkage: &Linkage| linkage.bodies[a.second.body].offset;
         add(a != b || offset(&one.linkage) != offset(&other.linkage), Cause::Joint(j));
     }
+    for (a, b) in one.linkage.slots.iter().zip(&other.linkage.slots) {
+        add(a != b, Cause::Joint(a.joint));
+    }
     for (a, b) in one.linkage.couplings.iter().zip(&other.linkage.couplings) {
         add(a != b, Cause::Joint(a.joint));
     }

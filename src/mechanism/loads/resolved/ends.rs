@@ -117,6 +117,8 @@ pub(super) fn joint_load(linkage: &Linkage, joint: usize, shift: f64) -> Load {
     let j = &linkage.joints[joint];
     match j.freedom {
         Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body, shift, is_idle: false },
-        Freedom::Prismatic(_) | Freedom::Coupling(_) => Load::Slide { joint, sign: 1.0, is_idle: false },
+        Freedom::Prismatic(_) | Freedom::Slot(_) | Freedom::Coupling(_) => {
+            Load::Slide { joint, sign: 1.0, is_idle: false }
+        }
     }
 }

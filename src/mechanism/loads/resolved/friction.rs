@@ -160,7 +160,7 @@ impl Loading {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
+                (Freedom::Revolute, None) | (Freedom::Slot(_) | Freedom::Coupling(_), _) => continue,
             };
             let law = Law {
                 sticks,

@@ -152,6 +152,10 @@ fn points(view: &mut View<f64>, curve: Curve) -> Result<f64, OutputError> {
             let (stop, all) = (&loading.stops[k], knots(loading.stops[k].curve.as_ref()));
             alternating(all.get(1..).unwrap_or_default(), stop.beyond(view.displacement(stop.load, 0)?))
         }
+        Curve::Slot(k) => {
+            let slot = &view.reduced.linkage().slots[k];
+            alternating(slot.track.knots(), view.joint_position(slot.coordinate, 0)?)
+        }
         Curve::Cam(k) => {
             let linkage = view.reduced.linkage();
             let coupling = &linkage.couplings[k];
