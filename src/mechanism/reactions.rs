@@ -20,8 +20,8 @@ use self_stress::SelfStresses;
 pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
-    /// Moment about the second body's point [N.m]; 0 in a revolute joint and in a slot. Of a coupling the force that it transmits
-    /// along the motion, of a cam that along the normal of its profile [N].
+    /// Moment about the second body's point [N.m]; 0 in a revolute joint and in a slot. Of a coupling the force that it
+    /// transmits along the motion, of a cam that along the normal of its profile [N].
     pub moment: f64,
 }
 

@@ -18,6 +18,7 @@ mod curves;
 mod damped_contact;
 mod derivatives;
 mod designs;
+mod detents;
 mod drag;
 mod drawn;
 mod drives;

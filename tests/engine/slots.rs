@@ -112,11 +112,11 @@ fn a_plate_that_only_slots_hold_moves_as_on_links() {
         "name": "Plate", "gravity": weight(),
         "bodies": { "ground": { "length": LENGTHS[0] }, "coupler": rod(LENGTHS[2], LENGTHS[2]) },
         "joints": {
-            "a": slot("coupler.origin", "ground.origin", json!({ "radius": LENGTHS[1], "from_angle": -9, "to_angle": 9 })),
-            "d": slot("coupler.end", "ground.end", json!({ "radius": LENGTHS[3], "from_angle": -9, "to_angle": 9 })),
+            "a": slot("coupler.origin", "ground.origin", json!({ "radius": 0.15, "from_angle": -9, "to_angle": 9 })),
+            "d": slot("coupler.end", "ground.end", json!({ "radius": 0.3, "from_angle": -9, "to_angle": 9 })),
         },
         "start": { "body": "coupler", "angle": 0.411, "speed": 0.7 },
-        "guess": { "coupler": 0.411, "a": 0.15 * (1.1 + 3.1416 - 0.411 + 9.0), "d": 0.3 * (1.79 + 3.1416 - 0.411 + 9.0) },
+        "guess": { "coupler": 0.411, "a": 0.15 * (1.1 + 2.731 + 9.0), "d": 0.3 * (1.79 + 2.731 + 9.0) },
         "solver": { "tolerance": 1e-12 },
     });
     let mut plate = Run::new(plate).started();

@@ -68,6 +68,10 @@ keys! {
         at: String => point().required();
         /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;
+        /// Force on the point `at` at which an engaged lock releases the mechanism, as a detent does [N], > 0. Without
+        /// the key `release_force` a lock holds against any load. The stop of a lock with this key must be rigid.
+        release_force: Option<f64> => number(Newton, Range::Positive)
+            .parameter(Role::Law, "Force at which the lock @ releases");
     }
 }
 
@@ -78,6 +82,12 @@ words! {
         Lower = "lower",
         /// The angle, position or distance cannot rise above the stated value.
         Upper = "upper",
+    }
+}
+
+impl Lock {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        Owner { group: Some("locks"), name, is_rotary: false }.parameters(self, &Some, visit);
     }
 }
 

@@ -49,9 +49,13 @@ keys! {
         /// Start value of the input `<name>.torque`, the torque that the drive (or the motor of its screw) exerts
         /// [N.m]. The key `torque` is allowed only in a revolute joint, between two bodies or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
-        /// equal in both directions of the power flow ([CK16] eq. (5)).
+        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
+        /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
+        /// Efficiency of the drive where power flows back from the mechanism to the drive [1], > 0 and <= 1. Default:
+        /// the value of the key `efficiency`.
+        backward_efficiency: Option<f64> => number(One, Range::Fraction)
+            .parameter(Role::Load, "Efficiency where power flows back to the drive");
         /// true: the drive has outputs for each moving body: the part of the body in the reduced mass and in the static
         /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3). false: the drive has no
         /// outputs for single bodies.

@@ -205,6 +205,7 @@ impl Mechanism {
         self.air.iter_mut().for_each(|air| air.parameters(visit));
         self.surfaces.iter_mut().for_each(|(name, surface)| surface.parameters(name, visit));
         self.stops.iter_mut().for_each(|(name, stop)| stop.parameters(name, visit));
+        self.locks.iter_mut().for_each(|(name, lock)| lock.parameters(name, visit));
         self.start.parameters(visit);
         self.solver.parameters(visit);
     }

@@ -316,7 +316,8 @@ impl Linkage {
         }
     }
 
-    /// Grow the spanning tree, prismatic joints first and slots last; the other joints become cuts. Returns which bodies it reaches.
+    /// Grow the spanning tree, prismatic joints first and slots last; the other joints become cuts. Returns which
+    /// bodies it reaches.
     fn grow_tree(&mut self) -> Vec<bool> {
         let n = self.bodies.len();
         // Kruskal's algorithm: a joint belongs to the tree if it connects two parts.

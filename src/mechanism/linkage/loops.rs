@@ -1,9 +1,10 @@
 //! The loop equations: the gaps of the joints outside the tree vanish.
 //!
 //! In: positions and rates of the bodies. Out: gaps [m], their second derivatives and their Jacobian. A revolute joint
-//! gives two rows, the components of the gap between its points; so does a slot, between its pin and the point of its
-//! curve; a prismatic joint gives one, the gap normal to its axis (its bodies share one angle); a coupling gives one. A row depends on the coordinates round its loop only. It
-//! must not know Newton's method.
+//! gives two rows, the components of the gap between its points. A slot gives the two components of the gap between its
+//! pin and the point of its curve. A prismatic joint gives one row, the gap normal to its axis (its bodies share one
+//! angle), and a coupling gives one. A row depends on the coordinates round its loop only. It must not know Newton's
+//! method.
 use super::motion::{Positions, Rates};
 use super::structure::{Branch, Freedom, Linkage, Loop, Point, Step};
 use crate::numerics::order;
@@ -207,8 +208,8 @@ impl Linkage {
     }
 
     /// Derivatives of the residuals of the loop with index `index` in [`Self::cuts`], in the loop's columns. Rows of a
-    /// revolute joint and a slot: the gap's x and y. First row of a prismatic joint: the gap normal to the axis; of a coupling:
-    /// its residual.
+    /// revolute joint and a slot: the gap's x and y. First row of a prismatic joint: the gap normal to the axis; of a
+    /// coupling: its residual.
     pub fn partials(&self, p: &Positions, q: &[f64], index: usize, rows: &mut [Vec<f64>; 2]) {
         let (of, joint) = (&self.loops[index], &self.joints[self.cuts[index]]);
         let [x, y] = rows;

@@ -22,7 +22,7 @@ use crate::numerics::plane::Vec2;
 use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
-pub use drives::{Drive, DriveLaw};
+pub use drives::{Drive, DriveLaw, Efficiency};
 use ends::{Hinges, between};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NetworkDrives, PORTS};
@@ -107,6 +107,8 @@ pub struct Lock {
     pub stop: usize,
     /// Point at which the lock holds the linkage.
     pub at: Point,
+    /// Force on this point at which the lock releases [N]; None for a lock that holds against any load.
+    pub release: Option<f64>,
 }
 
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
@@ -141,7 +143,7 @@ impl Loading {
             };
             let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
-            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, law: None });
+            drives.push(Drive { name: name.into(), is_rotary, efficiency: Efficiency::of(a), law: None });
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
             let Some(law) = DriveLaw::new(name, a, sized.len())? else { continue };
@@ -257,7 +259,7 @@ impl Loading {
                 return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
-            self.locks.push(Lock { name: name.into(), stop, at });
+            self.locks.push(Lock { name: name.into(), stop, at, release: lock.release_force });
         }
         Ok(())
     }

@@ -72,7 +72,7 @@ fn a_dead_point_is_told_and_nothing_hangs() {
 fn a_drive_that_never_moves_takes_no_motion() {
     for (ends, words) in [
         (json!({ "first": "ground.origin", "second": "crank.end" }), "m apart in every position"),
-        (json!({ "joint": "twins" }), "the joint is at 0 rad in every position"),
+        (json!({ "joint": "twins" }), "the angle is 0 rad in every position"),
     ] {
         for position in [0.0, 0.1] {
             let mut crank = slider_crank(&json!(null));

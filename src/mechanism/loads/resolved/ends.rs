@@ -100,8 +100,8 @@ pub(super) fn between(
             let [one, other] = [first, second].map(|body| linkage.bodies[body].angle_coordinate);
             if one == other {
                 let message = format!(
-                    "{} does not turn relative to {}, so this element has no effect: name two bodies that turn relative \
-                     to each other",
+                    "{} does not turn relative to {}, so this element has no effect: name two bodies that turn \
+                     relative to each other",
                     names[1], names[0]
                 );
                 return Err(DefinitionError::key(key, message));

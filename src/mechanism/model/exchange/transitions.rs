@@ -70,7 +70,8 @@ pub fn value_of(
         Indicator::End(side) => match (rest, state.travel.end(side)) {
             // Between two rigid stops at one place nothing releases the mechanism.
             (Some(place), end) if place == Place::rigid(side) && end != state.travel.end(1 - side) => {
-                view.forces()?.free * outward(side) + PRESS_SHIFT
+                let grip = state.ends(view.reduced, locks).grip(place);
+                view.forces()?.free * outward(side) + grip + PRESS_SHIFT
             }
             (_, Some(position)) => shift - beyond(x, position, side),
             (_, None) => ABSENT,
