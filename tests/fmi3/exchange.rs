@@ -20,6 +20,9 @@ const LIMITED: &str = include_str!("../fixtures/limited_servo.json");
 /// slider-crank over its dead centres.
 const BORDERS: &str = include_str!("../fixtures/cam_and_dead_centres.json");
 
+/// A crank whose coupler runs in a curved track, held by a detent, with a drive with losses between two bodies.
+const TRACK: &str = include_str!("../fixtures/track_with_detent.json");
+
 /// An instance in continuous-time mode, after the first event.
 fn started(definition: &str) -> Fmu {
     let fmu = Fmu::exchanging(definition);
@@ -249,6 +252,48 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
     }
     assert!(fmu.read(&names)[0] > 9.0);
     assert!(met.iter().filter(|met| **met).count() >= 2, "the loss changes");
+}
+
+/// A detent releases at an event, when the load exceeds its force. Then the pin runs along its track, whose points are
+/// events.
+#[test]
+fn a_detent_releases_and_points_of_a_slot_are_passed_at_events() {
+    let fmu = started(TRACK);
+    let names = fmu.vrs(["c.position", "crank.angle", "c.force", "detent.force", "motor.torque"]);
+    // The torque about the crank that the detent holds is 0.15 * 12 = 1.8 N.m, less the other loads.
+    let held = 0.15 * (fmu.read(&names)[3] - 12.0);
+    let limit = fmu.read(&names)[4] - held;
+    let at_rest = indicators(&fmu);
+    for (torque, releases) in [(limit - 1e-6, false), (limit + 1e-6, true)] {
+        assert_eq!(fmu.set_reals(&names[4..], &[torque]), Status::Ok);
+        let crosses = indicators(&fmu).iter().zip(&at_rest).any(|(z, before)| z * before < 0.0);
+        assert_eq!(crosses, releases, "{torque}");
+        assert_eq!(rates(&fmu, states(&fmu))[1] == 0.0, !releases);
+    }
+    assert_eq!(fmu.enter_event_mode(), Status::Ok);
+    changes(&fmu);
+    assert_eq!(fmu.enter_continuous_time_mode(), Status::Ok);
+    assert!(indicators(&fmu).iter().all(|z| z.is_finite()));
+    let mut run = Simulation::open(TRACK).unwrap();
+    run.set("motor.torque", limit + 1e-6).unwrap();
+    run.initialize().unwrap();
+    let points = run.model_mut().reduced().unwrap().linkage().slots[0].track.knots().to_vec();
+    let mut passed = 0;
+    for k in 1..=12 {
+        let before = fmu.read(&names)[0];
+        let count = integrate(&fmu, 0.02, 2e-5).len();
+        run.step(0.02).unwrap();
+        let after = fmu.read(&names);
+        for (n, name) in ["c.position", "crank.angle", "c.force"].into_iter().enumerate() {
+            let expected = run.get(name).unwrap();
+            assert!((after[n] - expected).abs() < 1e-7 * (1.0 + expected.abs()), "{k} {name}: {} {expected}", after[n]);
+        }
+        let met = points.iter().filter(|s| (before - *s) * (after[0] - *s) < 0.0).count();
+        assert!(count >= met, "{k}: {count} events, {met} points");
+        passed += met;
+    }
+    assert!(passed >= 2, "{passed}");
+    check_slopes(&fmu, "motor.torque");
 }
 
 /// A follower that lifts off is a warning of the completed step at which it first does, with the flags of that step.
