@@ -306,7 +306,7 @@ mod tests {
                 "| `stiffness` | Stiffness of the linear spring. | number [N/m or N.m/rad], >= 0 | `0.0` | fixed |",
             ),
             ("mechanism/stops.md", "| number, from 0 to 1 | `0.0` | tunable |"),
-            ("mechanism/joints.md", "| `revolute`, `prismatic` | required |"),
+            ("mechanism/joints.md", "| `revolute`, `prismatic`, `slot` | required |"),
             ("mechanism/index.md", "| `equilibrium`, or [start](start.md#keys-of-start) | required |"),
             ("hydraulics/circuit.md", "| number [m3/s], > 0 |"),
             ("keys-of-mechanism.md", "| [gas](mechanism/springs.md#keys-of-gas) | `pressure`, "),

@@ -92,6 +92,8 @@ pub enum Curve {
     Bumper(usize),
     /// Lift of a cam over its angle, by the index of its coupling: borders of segments, or points.
     Cam(usize),
+    /// Curve of a slot over the position along it, by its index: its points.
+    Slot(usize),
 }
 
 /// A computed quantity. `order` 0, 1 or 2 is that of the time derivative; the other fields are indices.

@@ -20,8 +20,8 @@ use self_stress::SelfStresses;
 pub struct Reaction {
     /// Force in the mechanism frame [N].
     pub force: Vec2,
-    /// Moment about the second body's point [N.m]; 0 in a revolute joint. Of a coupling the force that it transmits
-    /// along the motion, of a cam that along the normal of its profile [N].
+    /// Moment about the second body's point [N.m]; 0 in a revolute joint and in a slot. Of a coupling the force that it
+    /// transmits along the motion, of a cam that along the normal of its profile [N].
     pub moment: f64,
 }
 
@@ -218,7 +218,7 @@ impl<const N: usize> Terms<N> {
             let (mut at, mut moment) = (p.point(joint.second), [if twisted == Some(j) { 1.0 } else { 0.0 }; N]);
             let mut given = moment;
             let force = match joint.freedom {
-                Freedom::Revolute => [multipliers[0], multipliers[1]],
+                Freedom::Revolute | Freedom::Slot(_) => [multipliers[0], multipliers[1]],
                 Freedom::Prismatic(axis) => along(perp(p.vector(joint.first.body, axis))),
                 Freedom::Coupling(index) => {
                     let contact = linkage.contact(&linkage.couplings[index], p);
@@ -243,7 +243,7 @@ impl<const N: usize> Terms<N> {
             let joint = &linkage.joints[branch.joint];
             let at = p.point(joint.second);
             let mut couple = [0.0; N];
-            if joint.freedom != Freedom::Revolute {
+            if !joint.freedom.turns() {
                 let arm = at - p.origin[branch.child];
                 couple = std::array::from_fn(|i| moment[i] - (arm.x * force[1][i] - arm.y * force[0][i]));
             }

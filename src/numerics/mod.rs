@@ -23,4 +23,5 @@ pub mod rise;
 pub mod selection;
 pub mod spline;
 pub mod table;
+pub mod track;
 pub mod twofold;

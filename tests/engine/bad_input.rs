@@ -56,7 +56,7 @@ fn keys_and_types() {
         ),
         (r#""length": 0.1755"#, r#""length": NaN"#, &["bodies.crank.length", "line"]),
         (r#""shape": "uniform_rod""#, r#""shape": "sphere""#, &["bodies.crank.shape", "`sphere`", "`uniform_rod`"]),
-        ("revolute", "hinge", &["joints.joint1.type", "not `hinge`", "`revolute` or `prismatic`"]),
+        ("revolute", "hinge", &["joints.joint1.type", "not `hinge`", "`revolute`, `prismatic` or `slot`"]),
         ("[-0.050, -0.138]", "[-0.050]", &["bodies.crank.points.actuator", "a list of 2 numbers", "not a list of 1"]),
         ("[-0.050, -0.138]", "[-0.050, true]", &["bodies.crank.points.actuator[1]", "not true", "must be a number"]),
         (r#", "second": "coupler.origin""#, "", &["joints.joint2", "`second` is missing: add it"]),
@@ -127,7 +127,11 @@ fn names_of_missing_elements() {
         (
             r#""coupler": 0.46"#,
             r#""copuler": 0.46"#,
-            &["guess.copuler", "no body or prismatic joint with this name", "crank, leg, wheel, coupler, follower"],
+            &[
+                "guess.copuler",
+                "no body, prismatic joint or slot with this name",
+                "crank, leg, wheel, coupler, follower",
+            ],
         ),
         (r#""coupler": 0.46"#, r#""cou\npler": 0.46"#, &[r"guess.cou\npler", "crank, leg, wheel, coupler, follower"]),
         (r#""coupler": 0.46"#, r#""coupler": 1e308"#, &["guess.coupler = 1e308", "from -1e6 rad to 1e6 rad"]),
@@ -199,7 +203,7 @@ fn loads_without_a_direction() {
         &["actuators.actuator", "both ends are the point joint2", "give two different points"],
     );
     let spring = changed(r#""markers":"#, "\"springs\": { \"coil\": { \"first\": \"crank.end\" } },\n  \"markers\":");
-    check(&spring, &["springs.coil", "give the keys \"first\" and \"second\", or the key \"joint\""]);
+    check(&spring, &["springs.coil", "give the keys \"first\" and \"second\", the key \"joint\"", "\"first_body\""]);
 }
 
 const RODS: &str = r#"{

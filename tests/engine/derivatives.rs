@@ -4,6 +4,7 @@ use crate::cams::{ROLLER, oscillating, parsed};
 use crate::characteristics::{POINTS, carriage, gas as gas_spring};
 use crate::couplings::{GEARS, shafts};
 use crate::losses;
+use crate::slots;
 use crate::support::definition::With;
 use crate::support::{
     ANDREWS, CRANE, CURVES, FOUR_BAR, GEAR, HYDRAULIC_GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed,
@@ -31,6 +32,15 @@ fn controlled(speed: f64) -> String {
         m["joints"]["wrist"]["frictionloss"] = json!(0.1);
         m["friction"]["law"] = json!("stick");
         m["start"]["speed"] = json!(speed);
+    })
+}
+
+/// A spring and a drive between two bodies without a common joint.
+fn between_bodies() -> Value {
+    json!({
+        "springs": { "band": { "first_body": "ground", "second_body": "coupler", "stiffness": 3, "damping": 0.2 },
+            "along": { "joint": "c", "stiffness": 20, "damping": 0.1 } },
+        "actuators": { "gear": { "first_body": "coupler", "second_body": "ground", "torque": 0.3, "efficiency": 0.8 } },
     })
 }
 
@@ -121,6 +131,8 @@ fn states() -> Vec<(String, Run)> {
         ("circuit", circuit, [0.0793, 1.0]),
         ("controllers", controlled(14.0), [0.02, 0.03]),
         ("controllers at rest", controlled(0.0), [1e-6, 1e-4]),
+        ("arc slot", slots::arc(json!({})).with(between_bodies()).to_string(), [0.013, 0.2]),
+        ("spline slot", slots::track(slots::on_arc(7), between_bodies()).to_string(), [0.013, 0.2]),
     ] {
         let mut run = Run::new(text).started();
         for span in spans {

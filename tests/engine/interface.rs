@@ -75,7 +75,7 @@ fn the_guid_follows_the_interface_not_the_numbers() {
 fn the_identity_of_the_gear_is_pinned() {
     let gear = Model::from_json(GEAR).unwrap();
     assert_eq!(gear.variables().guid(), "{9aa3b748-7e2b-5e3f-92e1-57c893ee1630}");
-    assert_eq!(gear.identity(), [0x6384_0A38_BDB9_9731, 0xB3EB_6788_404E_7043]);
+    assert_eq!(gear.identity(), [0x6384_0A38_BDB9_9731, 0x2819_ECF5_8EBF_1F15]);
 }
 
 /// The gear in the reduced formulation only.

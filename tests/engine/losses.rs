@@ -1,6 +1,7 @@
 //! Couplings with an efficiency, against closed forms: power in both directions, holding, trains, reversal of the
 //! power.
 
+use crate::support::definition::{With, block};
 use crate::support::numeric::runge_kutta;
 use crate::support::{Run, assert_near, assert_says, refusal};
 use serde_json::{Value, json};
@@ -191,4 +192,81 @@ fn an_efficiency_is_a_parameter_and_rejected_out_of_range() {
         },
         &["couplings.mesh.efficiency", "stick"],
     );
+}
+
+/// Where power flows back, the backward efficiency counts, and the efficiency elsewhere.
+#[test]
+fn a_backward_efficiency_counts_where_power_flows_back() {
+    let backward = 0.3;
+    for (motor, load, speed) in [(3.0, -1.0, 0.0), (0.1, -5.0, 0.0), (3.0, -1.0, -80.0), (-2.0, 4.0, 300.0)] {
+        let mut text = shafts(motor, load);
+        text["couplings"]["mesh"]["backward_efficiency"] = json!(backward);
+        text["start"]["speed"] = json!(speed);
+        let mut run = Run::new(&text).started();
+        let direction = if speed == 0.0 { (motor + I * load).signum() } else { f64::signum(speed) };
+        let [forward, back] = [ETA, 1.0 / backward].map(|eta| (motor + I * load / eta) / (J1 + I * I * J2 / eta));
+        let a = if (J2 * I * forward - load) * I * direction >= 0.0 { forward } else { back };
+        assert_near(run.get("one.acceleration"), a, 1e-12 * (1.0 + a.abs()), "acceleration");
+        for _ in 0..10 {
+            run.step(0.01);
+            let drift = run.get("energy.drift");
+            assert!(drift.abs() < 1e-9 * run.get("energy.kinetic").max(1.0), "{drift}");
+        }
+        assert_near(run.get("one.speed"), speed + 0.1 * a, 1e-9 * (1.0 + a.abs()), "speed");
+    }
+    // Without a loss forward.
+    let mut text = shafts(-2.0, 4.0);
+    text["couplings"]["mesh"]["efficiency"] = json!(1);
+    text["couplings"]["mesh"]["backward_efficiency"] = json!(backward);
+    text["start"]["speed"] = json!(300);
+    let mut run = Run::new(&text).started();
+    let [forward, back] = [1.0, 1.0 / backward].map(|eta| (-2.0 + I * 4.0 / eta) / (J1 + I * I * J2 / eta));
+    let flows_on = (J2 * I * forward - 4.0) * I >= 0.0;
+    assert_near(run.get("one.acceleration"), if flows_on { forward } else { back }, 1e-11 * forward.abs(), "lossless");
+    text["couplings"]["mesh"].as_object_mut().unwrap().remove("efficiency");
+    assert_says(refusal(&text), &["couplings.mesh.backward_efficiency", "add the key efficiency"]);
+}
+
+/// A worm: little of the load's torque arrives at the first shaft, where a constant friction holds it.
+#[test]
+fn a_small_backward_efficiency_and_a_seal_hold_a_load() {
+    let held = |backward: f64, load: f64| {
+        let mut text = shafts(0.0, load);
+        text["couplings"]["mesh"]["backward_efficiency"] = json!(backward);
+        text["joints"]["a"]["frictionloss"] = json!(0.05);
+        let mut run = Run::new(&text).started();
+        let sticks = run.is("friction.sticking");
+        run.step(0.2);
+        assert_eq!(run.get("one.speed") == 0.0, sticks, "{backward} {load}");
+        sticks
+    };
+    // The torque that arrives is 0.02 * 17 / 43 * load.
+    let most = 0.05 / (0.02 * -I);
+    assert!(held(0.02, 0.999 * most) && held(0.02, -0.999 * most));
+    assert!(!held(0.02, 1.001 * most) && !held(0.8, 0.05 * most));
+}
+
+/// A drive with two efficiencies on a block of 3 kg.
+#[test]
+fn a_drive_has_an_efficiency_for_each_direction() {
+    for (force, speed, delivered) in
+        [(2.0, 1.0, 1.6), (2.0, -1.0, 4.0), (-2.0, 1.0, -4.0), (-2.0, -1.0, -1.6), (2.0, 0.0, 1.6)]
+    {
+        let text = block(3.0).with(json!({
+            "actuators": { "ram": { "joint": "slide", "force": force, "efficiency": 0.8, "backward_efficiency": 0.5 } },
+            "start": { "speed": speed },
+        }));
+        let mut run = Run::new(text).started();
+        run.near("slide.acceleration", delivered / 3.0, 1e-13);
+        run.set("ram.demanded_acceleration", delivered / 3.0);
+        run.near("ram.required_force", force, 1e-12);
+        run.step(0.1);
+        run.near("slide.speed", speed + 0.1 * delivered / 3.0, 1e-12);
+        run.near("energy.drift", 0.0, 1e-12);
+    }
+    // Only where power flows back.
+    let ram = json!({ "joint": "slide", "force": 2, "backward_efficiency": 0.5 });
+    let text = block(3.0).with(json!({ "actuators": { "ram": ram } }));
+    Run::new(text.clone()).started().near("slide.acceleration", 2.0 / 3.0, 1e-13);
+    Run::new(text.with(json!({ "start": { "speed": -1 } }))).started().near("slide.acceleration", 4.0 / 3.0, 1e-13);
 }

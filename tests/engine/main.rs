@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod benchmarks;
+mod between_bodies;
 mod bounds;
 mod cam_profiles;
 mod cams;
@@ -18,6 +19,7 @@ mod curves;
 mod damped_contact;
 mod derivatives;
 mod designs;
+mod detents;
 mod drag;
 mod drawn;
 mod drives;
@@ -60,6 +62,7 @@ mod screws;
 mod several_stops;
 mod singular;
 mod singular_together;
+mod slots;
 mod solver_method;
 mod start_at_guess;
 mod stiction;

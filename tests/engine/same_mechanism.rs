@@ -71,7 +71,9 @@ fn in_joint<'v>(definition: &'v mut Value, group: &str, joint: &str) -> Vec<(Str
 /// joint keeps its direction, so the position changes its sign. Returns false if a load acts in one direction only.
 fn exchange(definition: &mut Value, joint: &str, differs: &mut Differs) -> bool {
     let one_way = |(_, load): &(String, &mut Value)| load.get("gas").is_some() || load.get("hydraulics").is_some();
-    if ["springs", "actuators"].iter().any(|group| in_joint(definition, group, joint).iter().any(one_way)) {
+    // The curve of a slot is fixed in the first body.
+    let is_slot = definition["joints"][joint]["type"] == "slot";
+    if is_slot || ["springs", "actuators"].iter().any(|group| in_joint(definition, group, joint).iter().any(one_way)) {
         return false;
     }
     let own = &mut definition["joints"][joint];

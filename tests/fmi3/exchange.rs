@@ -1,4 +1,6 @@
 //! Model exchange: derivatives against co-simulation, events at stops, directional derivatives, phases, rejected calls.
+mod laws_that_switch;
+
 use crate::events::update;
 use crate::fmi2;
 use crate::{Fmu, RETRACTED};
@@ -18,11 +20,6 @@ const LIMITED: &str = include_str!("../fixtures/limited_servo.json");
 /// A disc cam that turns against the weight of its follower, and a cylinder with losses that drives the crank of a
 /// slider-crank over its dead centres.
 const BORDERS: &str = include_str!("../fixtures/cam_and_dead_centres.json");
-/// A block that a drive with an integral part moves against static friction.
-const INTEGRATING: &str = include_str!("../fixtures/integrating_drive.json");
-/// A slider-crank that turns against constant friction in its slide and at the wrist, with friction that reactions
-/// cause if it is enabled.
-const TURNING: &str = include_str!("../fixtures/turning_friction.json");
 
 /// An instance in continuous-time mode, after the first event.
 fn started(definition: &str) -> Fmu {
@@ -268,85 +265,6 @@ fn borders_of_segments_and_changes_of_loss_are_events() {
     }
     assert!(fmu.read(&names)[0] > 9.0);
     assert!(met.iter().filter(|met| **met).count() >= 2, "the loss changes");
-}
-
-/// The slide turns back at the dead centres of the crank, the rod turns back where the crank is upright: there the
-/// friction of these joints changes its direction, which is an event. The motion is that of co-simulation.
-#[test]
-fn friction_changes_its_direction_at_an_event() {
-    for enabled in [false, true] {
-        let text = TURNING.replace("\"enabled\": false", &format!("\"enabled\": {enabled}"));
-        let fmu = started(&text);
-        let mut run = Simulation::open(&text).unwrap();
-        run.initialize().unwrap();
-        for k in 1..=60 {
-            let before = fmu.get(["crank.angle"])[0];
-            let count = integrate(&fmu, 0.02, if enabled { 1e-4 } else { 1e-3 }).len();
-            run.step(0.02).unwrap();
-            let [angle, speed] = fmu.get(["crank.angle", "crank.speed"]);
-            let exact = ["crank.angle", "crank.speed"].map(|name| run.get(name).unwrap());
-            // Where friction changes the reactions that cause it, the acceleration jumps within a step of this method.
-            let allowed = if enabled { 1e-4 } else { 1e-9 };
-            let error = (angle - exact[0]).abs().max(0.1 * (speed - exact[1]).abs());
-            assert!(error < allowed, "{k}: {angle} {speed} {exact:?}");
-            let quarters = |angle: f64| (angle / (0.5 * PI)).floor();
-            let expected = (quarters(angle) - quarters(before)) as usize;
-            // Where friction depends on the slip speed, an end of its regimes is an event too.
-            let is_found = if enabled { count >= expected } else { count == expected };
-            assert!(is_found, "{k}: {count} events from {before} to {angle}");
-        }
-        assert!(fmu.get(["crank.angle"])[0] > 10.0);
-    }
-}
-
-/// A block on which static friction acts, with a controller that has an integral part and a limit of its force: the
-/// integral part is a state, the block breaks away and sticks at events, and the motion is that of co-simulation.
-#[test]
-fn an_integral_part_is_exchanged() {
-    let fmu = started(INTEGRATING);
-    let mut run = Simulation::open(INTEGRATING).unwrap();
-    run.initialize().unwrap();
-    let names = ["slide.position", "slide.speed", "motor.integral_force", "motor.integral_force_rate"];
-    let (mut stuck, mut slipped, mut reversed) = (0, 0, false);
-    for k in 1..=42 {
-        let count = integrate(&fmu, 0.05, 1e-4).len();
-        run.step(0.05).unwrap();
-        let (values, exact) = (fmu.get(names), names.map(|name| run.get(name).unwrap()));
-        // At the reversal friction jumps by 6 m/s2 within one step of this method.
-        reversed |= slipped > 0 && exact[1] >= 0.0;
-        let allowed = if reversed { 1e-2 } else { 1e-8 };
-        for (value, exact) in values.into_iter().zip(exact) {
-            assert!((value - exact).abs() < allowed * (1.0 + exact.abs()), "{k}: {value} {exact}, {count} events");
-        }
-        assert_eq!(present(&fmu)[2], values[2]);
-        // Where it breaks away again, after a time of which the solver knows nothing.
-        assert!(k != 19 || count == 1, "{count} events");
-        stuck += u32::from(values[1] == 0.0);
-        slipped += u32::from(values[1] != 0.0);
-    }
-    assert!(stuck > 5 && slipped > 5, "{stuck} {slipped}");
-    // Derivatives along the integral part, in motion.
-    let fmu = started(INTEGRATING);
-    while fmu.get(["slide.speed"])[0] == 0.0 || fmu.get(["motor.acting_force"])[0].abs() == 9.0 {
-        integrate(&fmu, 0.05, 1e-3);
-    }
-    let [a, integral, rate, force] = fmu.vrs([
-        "along_curve.acceleration",
-        "motor.integral_force",
-        "motor.integral_force_rate",
-        "motor.acting_force",
-    ]);
-    let mut slopes = [f64::NAN; 3];
-    assert_eq!(fmu.derivative(false, &[a, rate, force], &[integral], &[1.0], &mut slopes), Status::Ok);
-    // A block of 2 kg.
-    for (slope, exact) in slopes.into_iter().zip([0.5_f64.sqrt(), 0.0, 1.0]) {
-        assert!((slope - exact).abs() < 1e-12, "{slope} {exact}");
-    }
-    let mut nominals = [f64::NAN; 3];
-    assert_eq!((fmu.nominals(&mut nominals), nominals[2] > 0.0), (Status::Ok, true));
-    let mut y = present(&fmu);
-    y[2] = f64::NAN;
-    assert_eq!((fmu.set_states(&y), fmu.set_states(&y[..2])), (Status::Discard, Status::Error));
 }
 
 /// A follower that loses contact gives a warning at the first completed step in which it does, with the flags of this

@@ -4,7 +4,7 @@
 
 use super::variables::rounded;
 use crate::check::FileUnits;
-use linkage_fmu::mechanism::definition::{JointKind, Limit, Mechanism, Stop};
+use linkage_fmu::mechanism::definition::{Between, JointKind, Limit, Mechanism, Stop};
 use serde::Serialize;
 
 /// Largest number of rows of a table. The definition contains the other parts.
@@ -44,16 +44,18 @@ pub fn tables(mechanism: &Mechanism, units: &FileUnits) -> Vec<Table> {
         let kind = match joint.kind {
             JointKind::Revolute => "revolute",
             JointKind::Prismatic => "prismatic",
+            JointKind::Slot => "slot",
         };
         vec![name.to_owned(), kind.to_owned(), joint.first.clone(), joint.second.clone()]
     });
     let drives = mechanism.actuators.iter().map(|(name, drive)| {
         let kind = if drive.hydraulics.is_some() { "hydraulic drive" } else { "drive" };
-        vec![name.to_owned(), kind.to_owned(), between(&drive.first, &drive.second, &drive.joint)]
+        vec![name.to_owned(), kind.to_owned(), words(drive.between())]
     });
-    let springs = mechanism.springs.iter().map(|(name, spring)| {
-        vec![name.to_owned(), "spring or damper".to_owned(), between(&spring.first, &spring.second, &spring.joint)]
-    });
+    let springs = mechanism
+        .springs
+        .iter()
+        .map(|(name, spring)| vec![name.to_owned(), "spring or damper".to_owned(), words(spring.between())]);
     let forces =
         mechanism.forces.iter().map(|(name, force)| vec![name.to_owned(), "force".to_owned(), force.at.clone()]);
     let torques =
@@ -92,19 +94,20 @@ fn columns(names: &[&str]) -> Vec<String> {
     names.iter().map(|&name| name.to_owned()).collect()
 }
 
-/// The ends of a connection, or its joint.
-fn between(first: &Option<String>, second: &Option<String>, joint: &Option<String>) -> String {
-    match (first, second, joint) {
-        (Some(first), Some(second), _) => format!("{first} to {second}"),
-        (.., Some(joint)) => format!("in {joint}"),
-        _ => String::new(),
+/// The ends of a connection, its joint or its bodies.
+fn words(place: Option<Between>) -> String {
+    match place {
+        Some(Between::Points([first, second])) => format!("{first} to {second}"),
+        Some(Between::Joint(joint)) => format!("in {joint}"),
+        Some(Between::Bodies([first, second])) => format!("{second} relative to {first}"),
+        None => String::new(),
     }
 }
 
 /// The quantity that a stop limits, and the limit.
 fn limit(stop: &Stop, units: &FileUnits) -> String {
     let side = if stop.limit == Limit::Lower { "at least" } else { "at most" };
-    let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| between(&stop.first, &stop.second, &None));
+    let of = stop.body.clone().or(stop.joint.clone()).unwrap_or_else(|| words(stop.between()));
     let (quantity, value, unit) = match (stop.angle, stop.position, stop.length) {
         (Some(angle), ..) => ("angle", angle, "rad"),
         (_, Some(position), _) => ("position", position, "m"),

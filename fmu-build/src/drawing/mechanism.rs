@@ -327,7 +327,14 @@ impl Draft<'_> {
                     self.ring(center, part, name);
                     (center, self.half + 9.0)
                 }
-                (None, None) => continue,
+                (None, None) => {
+                    // One ring at each of the two bodies of a torque.
+                    let bodies = connection.bodies.into_iter().flatten().filter(|on| on.frame != 0);
+                    let centers: Vec<Point> = bodies.map(|on| self.at(on)).collect();
+                    centers.iter().for_each(|center| self.ring(*center, part, name));
+                    let Some(last) = centers.last() else { continue };
+                    (*last, self.half + 9.0)
+                }
             };
             if is_named {
                 self.wish(at, away, name, Weight::Plain, Ink::Muted);

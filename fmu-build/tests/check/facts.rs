@@ -56,7 +56,7 @@ fn rounding_errors_are_reported_as_zero() {
     assert_eq!(number(&all, "Drives", "short", "stroke"), 0.0);
     let messages: Vec<String> = all.findings.iter().map(|located| located.finding.to_string()).collect();
     let [idle, short] = &messages[..] else { panic!("{messages:#?}") };
-    assert!(idle.contains("the joint is at 0 rad in every position"), "{idle}");
+    assert!(idle.contains("the angle is 0 rad in every position"), "{idle}");
     assert!(short.contains("the two ends are 0.05 m apart in every position"), "{short}");
     let lines: Vec<String> = all.inspection.facts.iter().map(|fact| check::line(fact, &all.units)).collect();
     assert!(lines.iter().all(|line| !line.contains("-0.000000") && !line.contains("e308")), "{lines:#?}");

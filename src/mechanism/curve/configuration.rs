@@ -98,7 +98,8 @@ impl Configuration {
         self.q_second.resize(self.q.len(), 0.0);
         let derivatives = [&self.q[..], &self.q_sigma, &self.q_second];
         linkage.second_rates_into(&self.positions, &self.rates, derivatives, &mut self.second);
-        linkage.gap_second_rates(&self.positions, &self.rates, &self.second, &mut scratch.gaps);
+        let (rates, of_coordinates) = ((&self.rates, &self.second), [&self.q_sigma[..], &self.q_second]);
+        linkage.gap_second_rates(&self.positions, rates, of_coordinates, &mut scratch.gaps);
         let rows = closure.rows().iter().map(|&r| [-scratch.gaps[r]]);
         factors.solve(rows, normal, [0.0], self.q_second.as_chunks_mut().0);
         // The second derivatives of the positions are affine functions of q''.

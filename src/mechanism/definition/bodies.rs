@@ -1,6 +1,8 @@
 //! Bodies, points on them whose motion is asked for, joints, and the friction in these.
 use super::drawing::Drawn;
-use crate::format::{AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit, either, keys, number, point, words};
+use crate::format::{
+    AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit, curve, either, keys, number, point, words,
+};
 use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, NewtonMetre, One, Radian};
 
 keys! {
@@ -49,7 +51,8 @@ keys! {
     pub struct Joint {
         /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint,
         /// whose second point moves along a line through its first point. The angle between the two bodies of a
-        /// prismatic joint is constant.
+        /// prismatic joint is constant. `slot`: a pin in a curved slot or track. The pin is the second point. The slot
+        /// is an arc or a smooth curve in the first body.
         kind as "type": JointKind => Key::PLAIN.required();
         /// Point (`body.point`) at which the joint acts on the first body. The reaction outputs of the joint state the
         /// force of the first body on the second body.
@@ -64,6 +67,20 @@ keys! {
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
+        /// Slot only: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of the joint.
+        radius: Option<f64> =>
+            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
+        /// Slot with `radius` only: direction from the centre to the start of the slot, as an angle in the frame of the
+        /// first body [rad]. The position of the joint counts anticlockwise from this start.
+        from_angle: Option<f64> => number(Radian, Range::Turn)
+            .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
+        /// Slot with `radius` only: direction from the centre to the end of the slot, as an angle in the frame of the
+        /// first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full revolution.
+        to_angle: Option<f64> => number(Radian, Range::Turn)
+            .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
+        /// Slot only: points [x, y] of a curved slot [m], in the order of the position of the joint, relative to the
+        /// first point of the joint and in the axes of the first body. The slot is a smooth curve through the points.
+        path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
         /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
         /// joint has no friction.
         pin_radius: Option<f64> =>
@@ -76,9 +93,9 @@ keys! {
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
-        /// Constant friction force of a prismatic joint or friction torque of a revolute joint [N or N.m], >= 0. The
-        /// constant friction acts against the motion of the joint, holds the joint at rest, and does not depend on the
-        /// force in the joint. The key `frictionloss` does not need the key `friction`.
+        /// Constant friction force of a prismatic joint or a slot, or friction torque of a revolute joint [N or N.m],
+        /// >= 0. The constant friction acts against the motion of the joint, holds the joint at rest, and does not
+        /// depend on the force in the joint. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
         /// Mass that moves with the position of a prismatic joint, or moment of inertia of a rotor that turns with the
@@ -133,6 +150,8 @@ words! {
         /// The second point lies on a line through the first point. The line is fixed in the first body. The angle
         /// between the bodies is fixed.
         Prismatic = "prismatic",
+        /// The second point lies on a curve that is fixed in the first body. Both bodies turn freely.
+        Slot = "slot",
     }
 
     /// Law of friction at low slip speeds.

@@ -1,4 +1,5 @@
 //! Stops at the ends of the travel, and locks that hold the mechanism there.
+use super::between::Between;
 use crate::format::{Flag, Key, Owner, Range, Role, Visit, curve, either, element, keys, number, point, words};
 use crate::variables::Unit::{
     Metre, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetreSecondPerRadian, NewtonPerMetre, NewtonSecondPerMetre,
@@ -7,7 +8,8 @@ use crate::variables::Unit::{
 
 keys! {
     /// A stop ends the travel of the mechanism on one side. A stop limits one quantity: the angle of a body, the
-    /// position of a prismatic joint, the angle of a revolute joint, or the distance between two points.
+    /// position of a prismatic joint, the angle of a revolute joint, the distance between two points, or the angle
+    /// between two bodies.
     pub struct Stop {
         /// Body whose angle is limited.
         body: Option<String> => element();
@@ -17,13 +19,17 @@ keys! {
         first: Option<String> => point();
         /// Second of the two points (`body.point`) whose distance is limited.
         second: Option<String> => point();
+        /// First of two bodies between which the angle is limited, in place of the key `body`.
+        first_body: Option<String> => element();
+        /// Second of the two bodies. The angle of the stop is the angle of this body relative to the first body.
+        second_body: Option<String> => element();
         /// Side on which the stop limits the motion. `lower`: the angle, position or distance cannot fall below the
         /// value at the stop. `upper`: the angle, position or distance cannot rise above the value at the stop.
         limit: Limit => Key::PLAIN.required();
-        /// Angle at the stop [rad]: the angle of the body, or the angle of a revolute joint (angle of the second body
-        /// relative to the first body).
+        /// Angle at the stop [rad]: the angle of the body, or the angle of the second body relative to the first body
+        /// for a revolute joint or two bodies.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
-        /// Position of the prismatic joint at the stop [m].
+        /// Position of the prismatic joint or of the slot at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
@@ -62,6 +68,10 @@ keys! {
         at: String => point().required();
         /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;
+        /// Force on the point `at` at which an engaged lock releases the mechanism, as a detent does [N], > 0. Without
+        /// the key `release_force` a lock holds against any load. The stop of a lock with this key must be rigid.
+        release_force: Option<f64> => number(Newton, Range::Positive)
+            .parameter(Role::Law, "Force at which the lock @ releases");
     }
 }
 
@@ -75,7 +85,19 @@ words! {
     }
 }
 
+impl Lock {
+    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
+        Owner { group: Some("locks"), name, is_rotary: false }.parameters(self, &Some, visit);
+    }
+}
+
 impl Stop {
+    /// Where the stop acts; None for a stop of the angle of one body, or if the keys do not
+    /// state one place.
+    pub fn between(&self) -> Option<Between<'_>> {
+        Between::of([&self.first, &self.second], &self.joint, [&self.first_body, &self.second_body])
+    }
+
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let is_rotary = self.angle.is_some();
         Owner { group: Some("stops"), name, is_rotary }.parameters(self, &Some, visit);

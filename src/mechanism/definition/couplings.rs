@@ -106,9 +106,13 @@ keys! {
         /// allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
-        /// The efficiency is equal in both directions of the power flow. Without the key `efficiency` the coupling has
-        /// no losses.
+        /// Without the key `backward_efficiency`, the efficiency is equal in both directions of the power flow. Without
+        /// the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
+        /// Gears, rack, belt: efficiency of the coupling where power flows from the second body to the first body [1],
+        /// > 0 and <= 1. The key `backward_efficiency` needs the key `efficiency`.
+        backward_efficiency: Option<f64> => number(One, Range::Fraction)
+            .parameter(Role::Load, "Efficiency where power flows from the second body to the first body of");
     }
 }
 
@@ -143,13 +147,15 @@ impl CouplingKind {
     /// for a cam, `phase`.
     pub fn keys(self) -> (&'static [&'static str], &'static [&'static str]) {
         match self {
-            Self::Gears => {
-                (&["second", "first_teeth", "second_teeth"], &["carrier", "internal", "pressure_angle", "efficiency"])
-            }
-            Self::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency"]),
-            Self::Belt => {
-                (&["second", "first_radius", "second_radius"], &["carrier", "crossed", "pretension", "efficiency"])
-            }
+            Self::Gears => (
+                &["second", "first_teeth", "second_teeth"],
+                &["carrier", "internal", "pressure_angle", "efficiency", "backward_efficiency"],
+            ),
+            Self::Rack => (&["joint", "radius"], &["side", "pressure_angle", "efficiency", "backward_efficiency"]),
+            Self::Belt => (
+                &["second", "first_radius", "second_radius"],
+                &["carrier", "crossed", "pretension", "efficiency", "backward_efficiency"],
+            ),
             Self::EllipticGears => {
                 (&["second", "eccentricity"], &["carrier", "lobes", "vertex_angle", "pressure_angle"])
             }
@@ -230,6 +236,10 @@ impl Mechanism {
                            efficiency of a drive or the friction of joints";
             return refused("efficiency", message);
         }
+        if coupling.backward_efficiency.is_some() && coupling.efficiency.is_none() {
+            let message = "this key needs the efficiency of the other direction: add the key efficiency";
+            return refused("backward_efficiency", message);
+        }
         let (needed, allowed) = coupling.kind.keys();
         let others =
             if coupling.kind == CouplingKind::Cam { &["type", "first"][..] } else { &["type", "first", "phase"] };
@@ -258,7 +268,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("this joint is a revolute joint: give the prismatic joint in which the {what} slides"),
+                &format!("this joint is not prismatic: give the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {

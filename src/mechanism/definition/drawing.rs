@@ -3,6 +3,7 @@
 //!
 //! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
 //! It must not know how loops are closed.
+use super::between::Between;
 use super::bodies::{Body, JointKind};
 use super::loads::Actuator;
 use super::mechanism::{GROUND, Mechanism};
@@ -124,13 +125,12 @@ impl Units {
 impl Mechanism {
     /// Whether the motion of a drive is an angle.
     pub(crate) fn turns(&self, drive: &Actuator) -> bool {
-        self.is_rotary(&drive.joint) || drive.screw.is_some()
+        self.is_rotary(drive.between()) || drive.screw.is_some()
     }
 
-    /// Whether a load in this joint turns; one between two points does not.
-    fn is_rotary(&self, joint: &Option<String>) -> bool {
-        let joint = joint.as_ref().and_then(|joint| self.joints.get(joint));
-        joint.is_some_and(|joint| joint.kind == JointKind::Revolute)
+    /// Whether a load there is a torque.
+    fn is_rotary(&self, place: Option<Between>) -> bool {
+        place.is_some_and(|place| place.is_rotary(&self.joints))
     }
 
     /// Take the file's units and drawn coordinates into SI units, lengths, points and a guess.
@@ -171,7 +171,7 @@ impl Mechanism {
     /// Paths of the elements whose numbers have the second one of two units: those of a joint that turns.
     pub(super) fn rotary(&self) -> HashSet<String> {
         let drives = self.actuators.iter().filter(|(_, drive)| self.turns(drive));
-        let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(&spring.joint));
+        let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(spring.between()));
         let stops = self.stops.iter().filter(|(_, stop)| stop.angle.is_some());
         let couplings = self.couplings.iter().filter(|(_, coupling)| coupling.joint.is_none());
         let paths = drives.map(|(name, _)| format!("actuators.{name}"));
@@ -282,18 +282,28 @@ impl Mechanism {
             let (Some((from, angle)), Some((to, _))) = (place(&joint.first), place(&joint.second)) else { continue };
             let axis = turned(Vec2::x(), angle + joint.axis_angle.unwrap_or(0.0));
             let gap = to - from;
-            let off = if is_prismatic { cross(axis, gap).abs() } else { gap.norm() };
+            let (off, what, position) = match joint.kind {
+                JointKind::Revolute => (gap.norm(), "away from the first point", None),
+                JointKind::Prismatic => {
+                    let off = cross(axis, gap).abs();
+                    (off, "off the line through the first point", is_own.then(|| axis.dot(&gap)))
+                }
+                JointKind::Slot => {
+                    let Some([s, off]) = joint.track().map(|track| track.nearest(turned(gap, -angle))) else {
+                        continue;
+                    };
+                    (off, "away from the slot", Some(s))
+                }
+            };
             if off > OPEN * size {
-                let what =
-                    if is_prismatic { "off the line through the first point" } else { "away from the first point" };
                 let message = format!(
                     "the second point of the joint is drawn {} m {what}: correct one of the two points",
                     Decimal::rounded(off)
                 );
                 faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
             }
-            if is_own && self.guess.get(name).is_none() {
-                guesses.push((name.to_owned(), axis.dot(&gap)));
+            if let Some(position) = position.filter(|_| self.guess.get(name).is_none()) {
+                guesses.push((name.to_owned(), position));
             }
         }
         // One body of each group that turns together, unless the file states one.

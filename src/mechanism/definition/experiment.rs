@@ -10,7 +10,7 @@ keys! {
         body: Option<String> => element();
         /// Start angle of the body that the key `body` names [rad], from -1e6 rad to 1e6 rad.
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
-        /// Prismatic joint whose position determines the start position.
+        /// Prismatic joint or slot whose position determines the start position.
         joint: Option<String> => element();
         /// Start position of the prismatic joint that the key `joint` names [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");

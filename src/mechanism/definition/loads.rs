@@ -1,4 +1,5 @@
 //! Loads: gravity, drives, forces, torques, springs and drag.
+use super::between::Between;
 use super::control::Control;
 use super::motion::PrescribedMotion;
 use crate::format::{
@@ -26,10 +27,11 @@ keys! {
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
-    /// A drive (actuator) exerts a force along the line between two points, or a force or torque in a joint. A positive
-    /// drive force between two points pushes the points apart. A positive drive force in a prismatic joint moves the
-    /// joint's second body along the axis. A positive drive torque in a revolute joint turns the joint's second body
-    /// anticlockwise, relative to its first body.
+    /// A drive (actuator) exerts a force along the line between two points, a force or torque in a joint, or a torque
+    /// between two bodies. A positive drive force between two points pushes the points apart. A positive drive force in
+    /// a prismatic joint moves the joint's second body along the axis. A positive drive torque in a revolute joint
+    /// turns the joint's second body anticlockwise, relative to its first body. A positive drive torque between two
+    /// bodies turns the body `second_body` anticlockwise, relative to the body `first_body`.
     pub struct Actuator {
         /// Point (`body.point`) at the first end of the drive.
         first: Option<String> => point();
@@ -37,15 +39,23 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
+        /// First of two bodies between which the drive exerts a torque. The two bodies need no common joint.
+        first_body: Option<String> => element();
+        /// Second of the two bodies. The angle of the drive is the angle of this body relative to the first body.
+        second_body: Option<String> => element();
         /// Start value of the input `<name>.force`, the force that the drive exerts [N]. The key `force` is not
-        /// allowed in a revolute joint or together with `screw`.
+        /// allowed in a revolute joint, between two bodies or together with `screw`.
         force: Option<f64> => number(Newton, Range::Finite).absent("0");
         /// Start value of the input `<name>.torque`, the torque that the drive (or the motor of its screw) exerts
-        /// [N.m]. The key `torque` is allowed only in a revolute joint or together with `screw`.
+        /// [N.m]. The key `torque` is allowed only in a revolute joint, between two bodies or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
-        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. The efficiency is
-        /// equal in both directions of the power flow ([CK16] eq. (5)).
+        /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
+        /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
+        /// Efficiency of the drive where power flows back from the mechanism to the drive [1], > 0 and <= 1. Default:
+        /// the value of the key `efficiency`.
+        backward_efficiency: Option<f64> => number(One, Range::Fraction)
+            .parameter(Role::Load, "Efficiency where power flows back to the drive");
         /// true: the drive has outputs for each moving body: the part of the body in the reduced mass and in the static
         /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3). false: the drive has no
         /// outputs for single bodies.
@@ -60,13 +70,13 @@ keys! {
         /// The key `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
-        /// is the torque of the motor. The key `screw` is not allowed in a revolute joint.
+        /// is the torque of the motor. The key `screw` is not allowed in a revolute joint or between two bodies.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Controller of the drive, with gains for position and speed and with limits of the force. The key `control`
         /// is not allowed together with `points`, `hydraulics` or `motion`.
         control: Option<Control> => Key::PLAIN.brief();
         /// Hydraulic circuit that drives the actuator. The force of a drive with a circuit is an output. At most one
-        /// drive can have a hydraulic circuit. A drive in a revolute joint cannot have a hydraulic circuit.
+        /// drive can have a hydraulic circuit. A drive whose motion is an angle cannot have a hydraulic circuit.
         hydraulics: Option<Circuit> => Key::PLAIN.brief();
         /// Prescribed motion of the drive. The force of a drive with prescribed motion is an output. At most one drive
         /// can have a prescribed motion. The key `motion` is not allowed together with `hydraulics`.
@@ -108,9 +118,9 @@ keys! {
     /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
     /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. In a prismatic
     /// joint the length is the position of the joint, and a positive force moves the second body back along the axis.
-    /// In a revolute joint the torque preload + stiffness * (angle - free_angle) + damping * d(angle)/dt turns the
-    /// second body clockwise. The angle of the spring is the angle of the second body relative to the first body. The
-    /// spring force also includes the forces of the keys `points`, `damping_points` and `gas`.
+    /// In a revolute joint or between two bodies, the torque preload + stiffness * (angle - free_angle) + damping *
+    /// d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the second body relative to
+    /// the first body. The spring force also includes the forces of the keys `points`, `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
@@ -118,6 +128,10 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
+        /// First of two bodies on whose angle the spring acts. The two bodies need no common joint.
+        first_body: Option<String> => element();
+        /// Second of the two bodies. The angle of the spring is the angle of this body relative to the first body.
+        second_body: Option<String> => element();
         /// Stiffness of the linear spring [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Load, "Stiffness");
@@ -127,12 +141,11 @@ keys! {
         /// Length of the spring at which the force of the linear spring equals `preload` [m]. For a spring between two
         /// points `free_length` must be >= 0.
         free_length: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Free length").absent("0");
-        /// Joint angle at which the torque of the linear spring equals `preload` [rad]. The key `free_angle` is allowed
-        /// only in a revolute joint.
+        /// Angle of the spring at which the torque of the linear spring equals `preload` [rad]. The key `free_angle` is
+        /// allowed only in a revolute joint or between two bodies.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
         /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive force pulls the
-        /// ends of the spring together. A positive torque turns the second body of the joint clockwise, relative to
-        /// the first body.
+        /// ends of the spring together. A positive torque turns the second body clockwise, relative to the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
         /// Additional pulling force as a curve over the length, position or angle of the spring. State pairs of length
@@ -237,6 +250,11 @@ impl Gravity {
 }
 
 impl Actuator {
+    /// Where the drive acts; None if the keys do not state one place.
+    pub fn between(&self) -> Option<Between<'_>> {
+        Between::of([&self.first, &self.second], &self.joint, [&self.first_body, &self.second_body])
+    }
+
     /// Start value of the command of the drive's curve [1].
     pub fn command(&self) -> f64 {
         self.command.unwrap_or(1.0)
@@ -277,9 +295,14 @@ impl Torque {
 }
 
 impl Spring {
+    /// Where the spring acts; None if the keys do not state one place.
+    pub fn between(&self) -> Option<Between<'_>> {
+        Between::of([&self.first, &self.second], &self.joint, [&self.first_body, &self.second_body])
+    }
+
     pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
         // A distance is not negative, a position along an axis may be.
-        let is_distance = self.joint.is_none();
+        let is_distance = matches!(self.between(), Some(Between::Points(_)));
         let refined = |key: Key| match is_distance && key.name == "free_length" {
             true => Some(Key { range: Range::NonNegative, ..key }),
             false => Some(key),

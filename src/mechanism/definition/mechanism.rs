@@ -1,5 +1,5 @@
 //! A whole mechanism as the file states it, and the list of its parameters.
-use super::bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker};
+use super::bodies::{Body, Friction, FrictionLaw, Joint, Marker};
 use super::contact::{Lock, Stop};
 use super::couplings::Coupling;
 use super::drawing::Units;
@@ -87,9 +87,9 @@ keys! {
         /// Position and speed at the start, or the word `equilibrium`. With the word `equilibrium` the run starts at
         /// the stable equilibrium that is nearest to the position in `guess`.
         start: Start => Key::PLAIN.required();
-        /// By name: rough angle of each body that turns, and rough position of each prismatic joint [m or rad]. The
-        /// guess selects one of the ways in which the links can be assembled. Bodies with the key `drawn` need no
-        /// guess.
+        /// By name: rough angle of each body that turns, and rough position of each prismatic joint and slot [m or
+        /// rad]. The guess selects one of the ways in which the links can be assembled. Bodies with the key `drawn`
+        /// need no guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions from which two different motions are possible), relative to the size
         /// of the mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the
@@ -190,21 +190,22 @@ impl Mechanism {
         joints.iter_mut().for_each(|(name, joint)| joint.parameters(name, visit));
         self.couplings.iter_mut().for_each(|(name, coupling)| coupling.parameters(name, visit));
         self.actuators.iter_mut().for_each(|(name, actuator)| {
-            let joint = actuator.joint.as_ref().and_then(|joint| joints.get(joint));
-            let is_rotary = joint.is_some_and(|joint| joint.kind == JointKind::Revolute) || actuator.screw.is_some();
+            let turns = actuator.between().is_some_and(|place| place.is_rotary(joints));
+            let is_rotary = turns || actuator.screw.is_some();
             actuator.parameters(name, is_rotary, visit);
         });
         self.hydraulics.iter_mut().for_each(|network| network.element_parameters(visit));
         self.forces.iter_mut().filter(|(_, f)| f.constant).for_each(|(name, force)| force.parameters(name, visit));
         self.torques.iter_mut().filter(|(_, t)| t.constant).for_each(|(name, torque)| torque.parameters(name, visit));
         self.springs.iter_mut().for_each(|(name, spring)| {
-            let joint = spring.joint.as_ref().and_then(|joint| joints.get(joint));
-            spring.parameters(name, joint.is_some_and(|joint| joint.kind == JointKind::Revolute), visit);
+            let is_rotary = spring.between().is_some_and(|place| place.is_rotary(joints));
+            spring.parameters(name, is_rotary, visit);
         });
         self.friction.iter_mut().for_each(|friction| friction.parameters(visit));
         self.air.iter_mut().for_each(|air| air.parameters(visit));
         self.surfaces.iter_mut().for_each(|(name, surface)| surface.parameters(name, visit));
         self.stops.iter_mut().for_each(|(name, stop)| stop.parameters(name, visit));
+        self.locks.iter_mut().for_each(|(name, lock)| lock.parameters(name, visit));
         self.start.parameters(visit);
         self.solver.parameters(visit);
     }

@@ -3,6 +3,7 @@
 //! In: the text of the file. Out: a [`Mechanism`] whose names resolve and whose numbers are finite and in range; the
 //! list of its parameters. It must not know how loops are closed, nor FMI. SI units throughout, angles in rad,
 //! anticlockwise positive.
+mod between;
 mod bodies;
 mod cams;
 mod characteristics;
@@ -19,11 +20,13 @@ mod mechanism;
 mod motion;
 mod named_parameter;
 mod refusal;
+mod slots;
 mod validate;
 mod warnings;
 
 use crate::format;
 pub use crate::format::{DefinitionError, Experiment, Named, Range, Role, Visit};
+pub use between::{Between, PLACES};
 pub use bodies::{Body, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};

@@ -5,6 +5,7 @@
 mod names;
 mod network;
 
+use super::between::{Between, PLACES};
 use super::bodies::{Body, Joint, JointKind};
 use super::characteristics::{check_bumper, check_damper, check_drive, check_spring};
 use super::contact::Stop;
@@ -150,14 +151,20 @@ impl Mechanism {
             let key = |k: &str| format!("joints.{name}.{k}");
             faults.keep(self.point(key("first"), &joint.first));
             faults.keep(self.point(key("second"), &joint.second));
-            let is_revolute = joint.kind == JointKind::Revolute;
+            faults.keep(joint.check_slot(&format!("joints.{name}")));
+            let (is_revolute, is_prismatic) = (joint.kind == JointKind::Revolute, joint.kind == JointKind::Prismatic);
+            let is_slot = joint.kind == JointKind::Slot;
+            let no_slot = "a slot cannot have this key: remove the key";
             let no_slide = "only a prismatic joint has this key: remove the key";
             let no_pin = "only a revolute joint has this key: remove the key";
             let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
-                ("axis_angle", joint.axis_angle, is_revolute, no_slide),
-                ("angle", joint.angle, is_revolute, no_slide),
+                ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
+                ("angle", joint.angle, !is_prismatic, no_slide),
+                ("armature", joint.armature, is_slot, no_slot),
+                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
+                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
@@ -173,7 +180,7 @@ impl Mechanism {
     fn check_drives(&self, faults: &mut Faults) {
         for (name, a) in self.actuators.iter() {
             let key = format!("actuators.{name}");
-            let Some(is_rotary) = faults.keep(self.check_ends(&key, &a.first, &a.second, &a.joint)) else { continue };
+            let Some(is_rotary) = faults.keep(self.check_between(&key, a.between())) else { continue };
             if a.screw.is_some() {
                 let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
                 if is_rotary {
@@ -185,11 +192,19 @@ impl Mechanism {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
             }
+            let slot = a.joint.as_ref().and_then(|joint| self.joints.get(joint)).filter(|j| j.kind == JointKind::Slot);
+            for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
+                if slot.is_some() && is_given {
+                    let message =
+                        "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+                    faults.keep::<()>(refused(format_args!("{key}.{k}"), message));
+                }
+            }
             let turns = is_rotary || a.screw.is_some();
             let (asked, other) = if turns { ("torque", a.force) } else { ("force", a.torque) };
             if other.is_some() {
-                let message = "a drive in a revolute joint or with a screw has a torque; all other drives have a \
-                               force";
+                let message = "a drive in a revolute joint, between two bodies or with a screw has a torque; all other \
+                               drives have a force";
                 faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
             }
             if let Some(circuit) = &a.hydraulics {
@@ -224,12 +239,11 @@ impl Mechanism {
     fn check_loads(&self, faults: &mut Faults) {
         for (name, spring) in self.springs.iter() {
             let key = format!("springs.{name}");
-            let ends = self.check_ends(&key, &spring.first, &spring.second, &spring.joint);
-            let Some(is_rotary) = faults.keep(ends) else { continue };
+            let Some(is_rotary) = faults.keep(self.check_between(&key, spring.between())) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                let message = "a spring in a revolute joint has the key free_angle; all other springs have the key \
-                               free_length";
+                let message = "a spring in a revolute joint or between two bodies has the key free_angle; all other \
+                               springs have the key free_length";
                 faults.keep::<()>(refused(&key, message));
             }
             faults.keep(check_spring(&key, spring, is_rotary));
@@ -257,26 +271,24 @@ impl Mechanism {
             } else if is_body || is_joint {
                 faults.keep(range.check_in(unit, key, value));
             } else {
-                let slides = self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic);
+                let slides = self.joints.iter().filter(|(_, joint)| joint.slides());
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
-                let allowed = alternatives("the bodies and prismatic joints", &names, name);
-                faults
-                    .keep::<()>(refused(key, format!("there is no body or prismatic joint with this name; {allowed}")));
+                let allowed = alternatives("the bodies, prismatic joints and slots", &names, name);
+                faults.keep::<()>(refused(
+                    key,
+                    format!("there is no body, prismatic joint or slot with this name; {allowed}"),
+                ));
             }
         }
     }
 
-    /// Two different points, or one joint; whether it is a revolute joint.
-    fn check_ends(
-        &self,
-        key: &str,
-        first: &Option<String>,
-        second: &Option<String>,
-        joint: &Option<String>,
-    ) -> Result<bool, DefinitionError> {
-        match (first, second, joint) {
-            (Some(first), Some(second), None) => {
+    /// Two different points, one joint or two different bodies; whether a load there is a torque.
+    fn check_between(&self, key: &str, place: Option<Between>) -> Result<bool, DefinitionError> {
+        let Some(place) = place else { return refused(key, PLACES) };
+        let body = |key: &str, name: &str| self.named_body(key, name).map(drop);
+        match place {
+            Between::Points([first, second]) => {
                 let one = self.point(format_args!("{key}.first"), first)?;
                 let other = self.point(format_args!("{key}.second"), second)?;
                 if one == other {
@@ -285,14 +297,17 @@ impl Mechanism {
                         "both ends are the same point, so the length is zero: give two different points",
                     );
                 }
-                Ok(false)
             }
-            (None, None, Some(joint)) => {
-                let joint = entry(format_args!("{key}.joint"), "joints", &self.joints, joint)?;
-                Ok(joint.kind == JointKind::Revolute)
+            Between::Joint(joint) => self.named_joint(&format!("{key}.joint"), joint).map(drop)?,
+            Between::Bodies([first, second]) => {
+                body(&format!("{key}.first_body"), first)?;
+                body(&format!("{key}.second_body"), second)?;
+                if first == second {
+                    return refused(key, "both keys name the same body, so the angle is zero: name two bodies");
+                }
             }
-            _ => refused(key, "give the keys \"first\" and \"second\", or the key \"joint\""),
         }
+        Ok(place.is_rotary(&self.joints))
     }
 
     fn check_surfaces(&self, faults: &mut Faults) {
@@ -340,19 +355,18 @@ impl Mechanism {
 
     fn check_stop(&self, name: &str, s: &Stop) -> Check {
         let key = format!("stops.{name}");
-        let asked = match (&s.body, &s.joint, &s.first, &s.second) {
-            (Some(body), None, None, None) => {
+        let has_ends = [&s.joint, &s.first, &s.second, &s.first_body, &s.second_body].iter().any(|end| end.is_some());
+        let asked = match (&s.body, s.between()) {
+            (Some(body), None) if !has_ends => {
                 entry(format_args!("{key}.body"), "bodies", &self.bodies, body)?;
                 "angle"
             }
-            (None, Some(_), None, None) | (None, None, Some(_), Some(_)) => {
-                match (self.check_ends(&key, &s.first, &s.second, &s.joint)?, &s.joint) {
-                    (true, _) => "angle",
-                    (false, Some(_)) => "position",
-                    (false, None) => "length",
-                }
-            }
-            _ => return refused(key, "give the key \"body\", the key \"joint\", or the keys \"first\" and \"second\""),
+            (None, Some(place)) => match (self.check_between(&key, Some(place))?, &s.joint) {
+                (true, _) => "angle",
+                (false, Some(_)) => "position",
+                (false, None) => "length",
+            },
+            _ => return refused(key, format!("give the key \"body\", or {}", &PLACES[5..])),
         };
         let given = [("angle", s.angle), ("position", s.position), ("length", s.length)];
         if given.iter().any(|(k, value)| value.is_some() != (*k == asked)) {
@@ -393,7 +407,7 @@ impl Mechanism {
             (None, None, None, None) if s.equilibrium && s.speed == 0.0 => Ok(()),
             (Some(body), Some(_), None, None) => entry("start.body", "bodies", &self.bodies, body).map(|_| ()),
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
-                JointKind::Prismatic => Ok(()),
+                JointKind::Prismatic | JointKind::Slot => Ok(()),
                 JointKind::Revolute => {
                     let message = "must be a prismatic joint; for a revolute joint give body and angle";
                     refused("start.joint", message)

@@ -4,6 +4,7 @@
 //! drive gives for it. It must not know outputs or steps.
 use super::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::loads::resolved::Efficiency;
 use crate::numerics::dual::{Differentiable, Number};
 
 /// What is asked of a drive.
@@ -72,12 +73,12 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
     }
 }
 
-/// A term of the mechanism at a drive with an efficiency eta ([CK16] 2.3): divided by eta where power flows in,
-/// multiplied where it flows back; at rest divided.
-pub fn with_efficiency<T: Number>(efficiency: Option<f64>, power: f64, value: T) -> T {
+/// A term of the mechanism at a drive with an efficiency ([CK16] 2.3): divided by it where power flows in, multiplied
+/// by that of the other direction where power flows back; at rest divided.
+pub fn with_efficiency<T: Number>(efficiency: Option<Efficiency>, power: f64, value: T) -> T {
     match efficiency {
-        Some(eta) if power < 0.0 => value * eta,
-        Some(eta) => value / T::constant(eta),
+        Some(eta) if power < 0.0 => value * eta.backward,
+        Some(eta) => value / T::constant(eta.forward),
         None => value,
     }
 }

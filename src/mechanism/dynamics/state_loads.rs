@@ -169,8 +169,8 @@ impl<T: Number> StateLoadEvaluator<T> {
             let back = state_loads.friction_joints[joint].back;
             return 2.0 * back * (self.friction.arm[joint] * influence).value().abs();
         }
-        let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency.unwrap_or(1.0);
-        1.0 / efficiency - efficiency
+        let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency;
+        efficiency.map_or(0.0, |eta| (1.0 / eta.backward - eta.forward).abs())
     }
 
     /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential

@@ -1,7 +1,7 @@
 //! Bends: two links at a joint between moving bodies, and where they come into line.
 //!
 //! In: a linkage, positions. Out: angles of the bends, the joints that are in line. It must not know the travel.
-use crate::mechanism::linkage::{GROUND, Linkage, Point, Positions};
+use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point, Positions};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::plane::cross;
 
@@ -48,7 +48,7 @@ fn all(linkage: &Linkage) -> impl Iterator<Item = Bend> + '_ {
     }
     hinges.iter().enumerate().flat_map(move |(index, joint)| {
         let bodies = [joint.first.body, joint.second.body];
-        let is_bend = joint.freedom.rows() == 2 && !bodies.contains(&GROUND);
+        let is_bend = joint.freedom == Freedom::Revolute && !bodies.contains(&GROUND);
         let next = |own: Point| -> Vec<(usize, Point)> {
             let on = |other: usize| {
                 let j = &hinges[other];
@@ -69,7 +69,7 @@ fn all(linkage: &Linkage) -> impl Iterator<Item = Bend> + '_ {
 
 /// Names of three revolute joints that are in line: of two links that move against each other.
 pub fn in_line(linkage: &Linkage, positions: &Positions) -> Option<String> {
-    let is_hinge = |joint: &usize| linkage.joints[*joint].freedom.rows() == 2;
+    let is_hinge = |joint: &usize| linkage.joints[*joint].freedom == Freedom::Revolute;
     let mut bends = all(linkage).filter(|bend| bend.joints.iter().all(is_hinge));
     let bend = bends.find(|bend| bend.angle(positions).sin().abs() < IN_LINE)?;
     let [from, at, to] = bend.joints.map(|joint| linkage.joints[joint].name.as_str());
@@ -81,7 +81,8 @@ pub fn in_line_with_ends(linkage: &Linkage, load: &Load, positions: &Positions) 
     let Load::Pair { first, second, .. } = load else { return None };
     let bodies = [first.body, second.body];
     let joins = |a: Point, b: Point| [a.body, b.body] == bodies || [b.body, a.body] == bodies;
-    let joint = linkage.joints.iter().find(|joint| joint.freedom.rows() == 2 && joins(joint.first, joint.second))?;
+    let joint =
+        linkage.joints.iter().find(|joint| joint.freedom == Freedom::Revolute && joins(joint.first, joint.second))?;
     let [from, to, at] = [*first, *second, joint.first].map(|point| positions.point(point));
     let (one, other) = (from - at, to - at);
     (cross(one, other).abs() < IN_LINE * one.norm() * other.norm()).then(|| joint.name.clone())

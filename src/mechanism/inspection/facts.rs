@@ -4,7 +4,7 @@
 use super::bends::bends;
 use super::place::Places;
 use super::travel::{Extremes, Walk};
-use super::{equilibrium, friction};
+use super::{equilibrium, friction, slots};
 use crate::hydraulics::network::facts::facts as network_facts;
 use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::closure::{AssemblyError, Closure, guessed};
@@ -203,6 +203,7 @@ fn add_travel<'a>(
         let growth = Some(reduced.curve().growth(i)).filter(|growth| range[1] - range[0] >= 0.999_999 * growth.abs());
         let growth = growth.unwrap_or(0.0);
         let ([least, most], start) = (from_start(range, at_start[i][0], growth), at_start[i][0]);
+        slots::warn(linkage, i, [least, most], out);
         let fact = Fact::new("Travel", name).with("least", least, unit).with("most", most, unit);
         let fact = fact.with("start", start, unit);
         let turns = growth / TAU;

@@ -10,6 +10,7 @@ mod path;
 mod place;
 mod poses;
 mod scene;
+mod slots;
 mod travel;
 
 pub use poses::{Attempt, Gap, Pose, Sweep, SweptStop, attempt};

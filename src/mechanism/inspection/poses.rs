@@ -294,6 +294,9 @@ fn gaps(linkage: &Linkage, positions: &Positions) -> Vec<Gap> {
     for joint in &linkage.joints[..linkage.joints.len() - linkage.couplings.len()] {
         let second = positions.point(joint.second);
         let mut first = positions.point(joint.first);
+        if let Freedom::Slot(index) = joint.freedom {
+            first += positions.slots[index].out;
+        }
         if let Freedom::Prismatic(axis) = joint.freedom {
             let axis = positions.vector(joint.first.body, axis);
             let off = cross(axis, second - first);

@@ -2,7 +2,7 @@
 //!
 //! In: a checked definition and its linkage. Out: bodies, joints, loads, stops and locks by name, with points in the
 //! frames of the linkage's bodies, as plain data. It must not know positions, which `poses` gives.
-use crate::mechanism::definition::{DefinitionError, Limit, Mechanism};
+use crate::mechanism::definition::{Between, DefinitionError, Limit, Mechanism};
 use crate::mechanism::linkage::{Body, Freedom, Linkage, Outline, Point};
 use crate::numerics::plane::{Vec2, turned};
 use serde::Serialize;
@@ -44,7 +44,7 @@ pub struct DrawnBody {
 pub struct DrawnJoint {
     /// Name.
     pub name: String,
-    /// Point of the first body.
+    /// Point of the first body; of a slot the pin.
     pub first: On,
     /// Point of the second body.
     pub second: On,
@@ -54,15 +54,18 @@ pub struct DrawnJoint {
     pub pin_radius: Option<f64>,
 }
 
-/// What acts between two points or in a joint: a drive or a spring.
+/// What acts between two points, in a joint or between two bodies: a drive or a spring.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Connection {
     /// Name.
     pub name: String,
-    /// Its ends; None in a joint.
+    /// Its ends; None where it does not act between two points.
     pub ends: Option<[On; 2]>,
     /// Index of its joint.
     pub joint: Option<usize>,
+    /// Centres of mass of the two bodies on whose angle it acts, the first body's first.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<[On; 2]>,
 }
 
 /// A surface with drag: a strip, or an area at a point.
@@ -77,10 +80,10 @@ pub struct Surface {
     pub half: Option<[f64; 2]>,
 }
 
-/// A line fixed to a body: the pitch curve of a wheel, the profile of a cam, a roller or a flat face.
+/// A line fixed to a body: the pitch curve of a wheel, the profile of a cam, a roller, a flat face or a slot.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct DrawnOutline {
-    /// Name of the coupling.
+    /// Name of the coupling or of the joint that is a slot.
     pub name: String,
     /// Index of the body of the linkage; 0 is the ground.
     pub frame: usize,
@@ -101,6 +104,9 @@ pub struct DrawnStop {
     pub ends: Option<[On; 2]>,
     /// Index of the joint whose angle or position it limits, if it does.
     pub joint: Option<usize>,
+    /// Centres of mass of the two bodies whose angle it limits, if it does.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub bodies: Option<[On; 2]>,
     /// Whether the value may not fall below; else it may not rise above.
     pub is_lower: bool,
     /// Value [rad or m].
@@ -155,7 +161,7 @@ pub struct Scene {
     pub torques: Vec<NamedPoint>,
     /// Markers.
     pub markers: Vec<NamedPoint>,
-    /// Outlines of the wheels and cams of couplings.
+    /// Outlines of the wheels and cams of couplings, and of slots.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub outlines: Vec<DrawnOutline>,
     /// Surfaces with drag.
@@ -198,19 +204,23 @@ impl Reader<'_> {
         Ok(On { frame: origin.frame, at: (Vec2::from(origin.at) + turned(local.into(), angle)).into() })
     }
 
-    fn connection(
-        &self,
-        name: &str,
-        first: &Option<String>,
-        second: &Option<String>,
-        joint: &Option<String>,
-    ) -> Result<Connection, DefinitionError> {
-        let ends = match (first, second) {
-            (Some(first), Some(second)) => Some([self.on(first)?, self.on(second)?]),
-            _ => None,
-        };
-        let joint = joint.as_ref().and_then(|joint| self.mechanism.joints.position(joint));
-        Ok(Connection { name: name.into(), ends, joint })
+    /// Centre of mass of a body of the definition.
+    fn center(&self, name: &str) -> Result<On, DefinitionError> {
+        let center = self.mechanism.bodies.get(name).map_or([0.0; 2], |body| body.center_of_mass());
+        self.in_body(name, center)
+    }
+
+    fn connection(&self, name: &str, place: Option<Between>) -> Result<Connection, DefinitionError> {
+        let mut connection = Connection { name: name.into(), ends: None, joint: None, bodies: None };
+        match place {
+            Some(Between::Points([first, second])) => connection.ends = Some([self.on(first)?, self.on(second)?]),
+            Some(Between::Joint(joint)) => connection.joint = self.mechanism.joints.position(joint),
+            Some(Between::Bodies([first, second])) => {
+                connection.bodies = Some([self.center(first)?, self.center(second)?]);
+            }
+            None => {}
+        }
+        Ok(connection)
     }
 
     fn bodies(&self) -> Result<Vec<DrawnBody>, DefinitionError> {
@@ -233,10 +243,11 @@ impl Reader<'_> {
         let defined = self.mechanism.joints.iter().map(|(_, joint)| joint);
         let drawn = self.linkage.joints.iter().zip(defined).map(|(joint, defined)| DrawnJoint {
             name: joint.name.clone(),
-            first: joint.first.into(),
+            // The pin of a slot is drawn, not the point to which its curve refers.
+            first: if let Freedom::Slot(_) = joint.freedom { joint.second } else { joint.first }.into(),
             second: joint.second.into(),
             axis: match joint.freedom {
-                Freedom::Revolute | Freedom::Coupling(_) => None,
+                Freedom::Revolute | Freedom::Slot(_) | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(axis) => Some(axis.into()),
             },
             pin_radius: defined.pin_radius,
@@ -255,7 +266,12 @@ impl Reader<'_> {
                 is_closed,
             })
         });
-        drawn.collect()
+        let slots = self.linkage.slots.iter().map(|slot| {
+            let name = self.linkage.joints[slot.joint].name.clone();
+            let Outline { body, points, is_closed } = self.linkage.slot_outline(slot);
+            DrawnOutline { name, frame: body, points: points.into_iter().map(Vec2::into).collect(), is_closed }
+        });
+        drawn.chain(slots).collect()
     }
 
     fn surfaces(&self) -> Result<Vec<Surface>, DefinitionError> {
@@ -282,12 +298,13 @@ impl Reader<'_> {
     fn stops(&self) -> Result<Vec<DrawnStop>, DefinitionError> {
         let mut stops = Vec::new();
         for (name, s) in self.mechanism.stops.iter() {
-            let Connection { name, ends, joint } = self.connection(name, &s.first, &s.second, &s.joint)?;
+            let Connection { name, ends, joint, bodies } = self.connection(name, s.between())?;
             let frame = s.body.as_ref().and_then(|body| self.linkage.carrier(self.mechanism, body));
             stops.push(DrawnStop {
                 frame: frame.map(|(frame, _)| frame),
                 ends,
                 joint,
+                bodies,
                 is_lower: s.limit == Limit::Lower,
                 value: s.angle.or(s.position).or(s.length).unwrap_or(0.0),
                 is_angle: s.angle.is_some(),
@@ -325,17 +342,15 @@ impl Scene {
             frames: linkage.bodies.iter().map(|body| body.name.clone()).collect(),
             bodies: reader.bodies()?,
             joints: reader.joints(),
-            actuators: collected(
-                mechanism.actuators.iter().map(|(name, a)| reader.connection(name, &a.first, &a.second, &a.joint)),
-            )?,
-            springs: collected(
-                mechanism.springs.iter().map(|(name, s)| reader.connection(name, &s.first, &s.second, &s.joint)),
-            )?,
+            actuators: collected(mechanism.actuators.iter().map(|(name, a)| reader.connection(name, a.between())))?,
+            springs: collected(mechanism.springs.iter().map(|(name, s)| reader.connection(name, s.between())))?,
             forces: collected(mechanism.forces.iter().map(|(name, force)| reader.named(name, &force.at)))?,
-            torques: collected(mechanism.torques.iter().map(|(name, torque)| {
-                let center = mechanism.bodies.get(&torque.on).map_or([0.0; 2], |body| body.center_of_mass());
-                Ok(NamedPoint { name: name.into(), on: reader.in_body(&torque.on, center)? })
-            }))?,
+            torques: collected(
+                mechanism
+                    .torques
+                    .iter()
+                    .map(|(name, torque)| Ok(NamedPoint { name: name.into(), on: reader.center(&torque.on)? })),
+            )?,
             markers: collected(mechanism.markers.iter().map(|(name, marker)| reader.named(name, &marker.at)))?,
             outlines: reader.outlines(),
             surfaces: reader.surfaces()?,

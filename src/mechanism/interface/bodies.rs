@@ -30,10 +30,23 @@ pub(super) fn add_bodies(b: &mut Builder) {
 pub(super) fn add_joints(b: &mut Builder) {
     let linkage = &b.source.linkage;
     for (coordinate, name) in linkage.coordinates.iter().enumerate().skip(linkage.angles) {
+        let is_slot = linkage.slots.iter().any(|slot| slot.coordinate == coordinate);
+        let texts = match is_slot {
+            true => [
+                "Position of the pin along the slot, from the start of the slot",
+                "Speed of the pin along the slot",
+                "Rate of change of the speed of the pin along the slot",
+            ],
+            false => [
+                "Position along the axis of the joint",
+                "Speed along the axis of the joint",
+                "Acceleration along the axis of the joint",
+            ],
+        };
         let derivatives = [
-            ("position", "Position along the axis of the joint", Metre),
-            ("speed", "Speed along the axis of the joint", MetrePerSecond),
-            ("acceleration", "Acceleration along the axis of the joint", MetrePerSecondSquared),
+            ("position", texts[0], Metre),
+            ("speed", texts[1], MetrePerSecond),
+            ("acceleration", texts[2], MetrePerSecondSquared),
         ];
         let stated = b.source.mechanism.start.joint.as_ref() == Some(name);
         b.motion(name, derivatives, stated, |order| Output::JointPosition { coordinate, order });
@@ -57,7 +70,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
         add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
         add("force_y", "y component of the force", Newton, reaction(ReactionPart::Y));
         add("force", "Magnitude of the force", Newton, reaction(ReactionPart::Magnitude));
-        if !is_revolute {
+        if !j.freedom.turns() {
             add(
                 "torque",
                 "Moment (anticlockwise positive, about the second point of the joint)",

@@ -161,6 +161,9 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
         let offset = |linkage: &Linkage| linkage.bodies[a.second.body].offset;
         add(a != b || offset(&one.linkage) != offset(&other.linkage), Cause::Joint(j));
     }
+    for (a, b) in one.linkage.slots.iter().zip(&other.linkage.slots) {
+        add(a != b, Cause::Joint(a.joint));
+    }
     for (a, b) in one.linkage.couplings.iter().zip(&other.linkage.couplings) {
         add(a != b, Cause::Joint(a.joint));
     }
@@ -201,6 +204,10 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     let constant = |l: &'l Loading| load.checked_sub(l.inputs.len()).and_then(|i| l.constants.get(i));
     let spring = |l: &'l Loading| l.springs.iter().find(|s| s.load == load);
     let stop = |l: &'l Loading| l.defined_stops().find(|s| s.load == load);
+    let lock = |l: &'l Loading| {
+        let of_stop = l.locks.iter().filter(|lock| l.stops[lock.stop].load == load);
+        of_stop.map(|lock| lock.release).collect::<Vec<_>>()
+    };
     let drag = |l: &'l Loading| {
         let air = l.air.as_ref()?;
         let surface = air.surfaces.iter().find(|s| (s.load..s.load + 3).contains(&load))?;
@@ -218,6 +225,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         && constant(one) == constant(other)
         && spring(one) == spring(other)
         && stop(one) == stop(other)
+        && lock(one) == lock(other)
         && drag(one) == drag(other)
         && friction(one) == friction(other)
 }

@@ -3,6 +3,7 @@ use super::builder::Builder;
 use super::hydraulics;
 use super::needs::{Needs, placed};
 use super::source::Source;
+use crate::mechanism::definition::Between;
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
@@ -28,19 +29,25 @@ pub(super) fn add_inputs(b: &mut Builder) {
             true => ("Torque of the drive ", NewtonMetre, a.torque),
             false => ("Force of the drive ", Newton, a.force),
         };
-        let (sense, joint) = match (drive.is_rotary, &a.joint) {
+        let sense = match (drive.is_rotary, a.between()) {
             (true, _) if a.screw.is_some() => {
-                (". A positive torque of the motor increases the stroke of the drive", "")
+                [". A positive torque of the motor increases the stroke of the drive", "", "", ""]
+            }
+            (true, Some(Between::Bodies([first, second]))) => {
+                [". A positive torque turns ", second, " anticlockwise, relative to ", first]
             }
             (true, _) => {
-                (". A positive torque turns the second body of the joint anticlockwise, relative to the first body", "")
+                let text = ". A positive torque turns the second body of the joint anticlockwise, relative to the \
+                            first body";
+                [text, "", "", ""]
             }
-            (false, Some(joint)) => {
-                (". A positive force moves the second body along the axis of the joint ", joint.as_str())
+            (false, Some(Between::Joint(joint))) => {
+                [". A positive force moves the second body along the axis of the joint ", joint, "", ""]
             }
-            (false, None) => (". A positive force pushes the two ends of the drive apart", ""),
+            (false, _) => [". A positive force pushes the two ends of the drive apart", "", "", ""],
         };
-        b.load_input(&[what, name, sense, joint], unit, start.unwrap_or(0.0));
+        let text = [&[what, name][..], &sense].concat();
+        b.load_input(&text, unit, start.unwrap_or(0.0));
     }
 }
 

@@ -84,6 +84,8 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let curves = curves.chain(springs().filter(|(_, s)| !s.knots().is_empty()).map(|(k, _)| Curve::Spring(k)));
     let curves = curves.chain(stops.filter(|(_, stop)| stop.curve.is_some()).map(|(k, _)| Curve::Bumper(k)));
     let curves = curves.chain(cams.map(|(k, _)| Curve::Cam(k)));
+    let slots = s.linkage.slots.iter().enumerate().filter(|(_, slot)| !slot.track.knots().is_empty());
+    let curves = curves.chain(slots.map(|(k, _)| Curve::Slot(k)));
     all.extend(curves.map(|curve| (Indicator::Points(curve), One)));
     all
 }
@@ -188,6 +190,10 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
                 }
                 Curve::Bumper(k) => {
                     (&s.loading.stops[k].name, ".points_indicator", "points of the curve of the bumper ")
+                }
+                Curve::Slot(k) => {
+                    let joint = s.linkage.slots[k].joint;
+                    (&s.linkage.joints[joint].name, ".points_indicator", "points of the slot ")
                 }
                 Curve::Cam(k) => {
                     let joint = s.linkage.couplings[k].joint;

@@ -1,6 +1,7 @@
 //! Variables of loads: gravity, forces, torques, springs, drag, stops and locks.
 use super::builder::Builder;
 use super::needs::Needs;
+use crate::mechanism::definition::Between;
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, Output, Quantity};
 use crate::variables::Unit::{
@@ -48,8 +49,18 @@ pub(super) fn add_springs(b: &mut Builder) {
         let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
         let text = ["Present ", what, " of the spring ", n];
         b.output(n, what, &text, unit, Output::Displacement { load, order: 0 }, position);
-        let text = ["Total ", force, " of the spring ", n, sense];
-        b.output(n, force, &text, force_unit, Output::SpringForce { spring: i }, needs);
+        let text = match defined.between() {
+            Some(Between::Bodies([first, second])) => &[
+                "Total torque of the spring ",
+                n,
+                ". A positive torque turns ",
+                second,
+                " clockwise, relative to ",
+                first,
+            ][..],
+            _ => &["Total ", force, " of the spring ", n, sense],
+        };
+        b.output(n, force, text, force_unit, Output::SpringForce { spring: i }, needs);
     }
 }
 

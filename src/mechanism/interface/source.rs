@@ -159,7 +159,11 @@ fn held(mechanism: &Mechanism, linkage: &Linkage) -> Option<(usize, usize)> {
         let ends = [joint.first.body, joint.second.body];
         let held = match (stated, &start.joint) {
             (Some(body), _) => (joint.freedom == Freedom::Revolute && ends.contains(&body)).then_some(body),
-            (None, Some(name)) => ends.into_iter().find(|b| *b != GROUND).filter(|_| joint.name == *name),
+            // The pin of a slot turns freely, so its position places no body.
+            (None, Some(name)) => {
+                let places = joint.name == *name && !joint.freedom.turns();
+                ends.into_iter().find(|b| *b != GROUND).filter(|_| places)
+            }
             (None, None) => None,
         };
         held.filter(|_| ends.contains(&GROUND)).map(|body| (index, body))

@@ -1,8 +1,9 @@
 //! From the definition to the linkage: merged bodies, groups of one angle, spanning tree.
 //!
 //! In: a checked definition. Out: a linkage. It must not know positions.
+use super::slot::Slot;
 use super::structure::{Body, Branch, Frame, Freedom, GROUND, Joint, Line, Linkage, Point, Rotor, Stroke};
-use crate::mechanism::definition::{self, DefinitionError, JointKind, Mechanism, Shape};
+use crate::mechanism::definition::{self, Between, DefinitionError, JointKind, Mechanism, Shape};
 use crate::numerics::plane::{Vec2, turned};
 use std::fmt;
 
@@ -115,17 +116,17 @@ impl Linkage {
     fn add_rotors(&mut self, mechanism: &Mechanism) -> Result<(), DefinitionError> {
         for (name, drive) in mechanism.actuators.iter() {
             let Some(screw) = drive.screw else { continue };
-            let line = match (&drive.first, &drive.second, &drive.joint) {
-                (Some(first), Some(second), _) => {
+            let line = match drive.between() {
+                Some(Between::Points([first, second])) => {
                     let end =
                         |key: &str, text: &str| self.locate(mechanism, format_args!("actuators.{name}.{key}"), text);
                     Line::Between(end("first", first)?, end("second", second)?)
                 }
-                (.., Some(joint)) => match mechanism.joints.position(joint) {
+                Some(Between::Joint(joint)) => match mechanism.joints.position(joint) {
                     Some(index) => Line::Joint(index),
                     None => continue,
                 },
-                _ => continue,
+                Some(Between::Bodies(_)) | None => continue,
             };
             self.rotors.push(Rotor { stroke: Stroke::Along(line), mass: screw.reflected_mass() });
         }
@@ -224,6 +225,14 @@ impl Linkage {
                     let angle = joint.axis_angle.unwrap_or(0.0) + self.angle_of(mechanism, &joint.first);
                     Freedom::Prismatic(turned(Vec2::x(), angle))
                 }
+                JointKind::Slot => {
+                    let missing = || DefinitionError::key(format_args!("joints.{name}"), "the curve is missing");
+                    let angle = self.angle_of(mechanism, &joint.first);
+                    let (track, turn) = (joint.track().ok_or_else(missing)?, (angle.cos(), angle.sin()));
+                    let (own, coordinate) = (self.joints.len(), 0);
+                    self.slots.push(Slot { joint: own, coordinate, track, angle, turn });
+                    Freedom::Slot(self.slots.len() - 1)
+                }
             };
             self.joints.push(Joint { name: name.into(), freedom, first, second });
         }
@@ -270,7 +279,7 @@ impl Linkage {
     }
 
     /// Number the coordinates: the angles of groups without the ground, then the positions of the tree's prismatic
-    /// joints.
+    /// joints, then those of the slots.
     fn number_coordinates(&mut self) {
         let leaders: Vec<usize> =
             (0..self.bodies.len()).map(|i| self.bodies[i].angle_coordinate.unwrap_or(i)).collect();
@@ -299,17 +308,28 @@ impl Linkage {
                 self.coordinates.push(self.joints[branch.joint].name.clone());
             }
         }
+        for slot in &mut self.slots {
+            slot.coordinate = self.coordinates.len();
+            self.coordinates.push(self.joints[slot.joint].name.clone());
+            let own = self.tree.iter_mut().filter(|branch| branch.joint == slot.joint);
+            own.for_each(|branch| branch.slide = Some(slot.coordinate));
+        }
     }
 
-    /// Grow the spanning tree, prismatic joints first; the other joints become cuts. Returns which bodies it reaches.
+    /// Grow the spanning tree, prismatic joints first and slots last; the other joints become cuts. Returns which
+    /// bodies it reaches.
     fn grow_tree(&mut self) -> Vec<bool> {
         let n = self.bodies.len();
         // Kruskal's algorithm: a joint belongs to the tree if it connects two parts.
         let mut parts: Vec<usize> = (0..n).collect();
         let mut chosen = vec![false; self.joints.len()];
-        let slides = |j: &Joint| matches!(j.freedom, Freedom::Prismatic(_));
-        for pass in [true, false] {
-            for (i, joint) in self.joints.iter().enumerate().filter(|(_, j)| slides(j) == pass) {
+        let pass_of = |j: &Joint| match j.freedom {
+            Freedom::Prismatic(_) => 0,
+            Freedom::Slot(_) => 2,
+            _ => 1,
+        };
+        for pass in 0..3 {
+            for (i, joint) in self.joints.iter().enumerate().filter(|(_, j)| pass_of(j) == pass) {
                 let (a, b) = (part_of(&mut parts, joint.first.body), part_of(&mut parts, joint.second.body));
                 if a != b {
                     chosen[i] = true;

@@ -1,11 +1,12 @@
 //! The loop equations: the gaps of the joints outside the tree vanish.
 //!
 //! In: positions and rates of the bodies. Out: gaps [m], their second derivatives and their Jacobian. A revolute joint
-//! gives two rows, the components of the gap between its points; a prismatic joint gives one, the gap normal to its
-//! axis (its bodies share one angle); a coupling gives one. A row depends on the coordinates round its loop only. It
-//! must not know Newton's method.
+//! gives two rows, the components of the gap between its points. A slot gives the two components of the gap between its
+//! pin and the point of its curve. A prismatic joint gives one row, the gap normal to its axis (its bodies share one
+//! angle), and a coupling gives one. A row depends on the coordinates round its loop only. It must not know Newton's
+//! method.
 use super::motion::{Positions, Rates};
-use super::structure::{Freedom, Linkage, Loop, Point, Step};
+use super::structure::{Branch, Freedom, Linkage, Loop, Point, Step};
 use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, perp, turned};
 use nalgebra::DMatrix;
@@ -63,6 +64,11 @@ impl Linkage {
                 let b = &self.tree[*branch];
                 columns.extend([angle(b.parent), angle(b.child), b.slide].into_iter().flatten());
             }
+            let slide = match self.joints[j].freedom {
+                Freedom::Slot(index) => Some(self.slots[index].coordinate),
+                _ => None,
+            };
+            columns.extend(slide);
             columns.sort_unstable();
             columns.dedup();
             let column = |c: Option<usize>| c.and_then(|c| columns.binary_search(&c).ok());
@@ -72,7 +78,7 @@ impl Linkage {
                 Step { branch, sign, parent, child, slide }
             };
             let steps = path.into_iter().map(step).collect();
-            Loop { steps, first: column(angle(first)), second: column(angle(second)), columns }
+            Loop { steps, first: column(angle(first)), second: column(angle(second)), slide: column(slide), columns }
         };
         self.loops = self.cuts.iter().map(loop_of).collect();
     }
@@ -100,7 +106,7 @@ impl Linkage {
             for index in joints() {
                 let joint = &self.joints[index];
                 match joint.freedom {
-                    Freedom::Coupling(_) => return None,
+                    Freedom::Coupling(_) | Freedom::Slot(_) => return None,
                     Freedom::Prismatic(axis) => slides.push((index, axis)),
                     Freedom::Revolute => {
                         for point in [joint.first, joint.second] {
@@ -156,13 +162,23 @@ impl Linkage {
             match joint.freedom {
                 Freedom::Revolute => out.extend([gap.x, gap.y]),
                 Freedom::Prismatic(e) => out.push(perp(p.vector(joint.first.body, e)).dot(&gap)),
+                Freedom::Slot(index) => {
+                    let gap = gap - p.slots[index].out;
+                    out.extend([gap.x, gap.y]);
+                }
                 Freedom::Coupling(index) => out.push(self.coupling_gap(&self.couplings[index], p)),
             }
         }
     }
 
-    /// Second derivatives of the residuals, given the rates and second rates.
-    pub fn gap_second_rates(&self, p: &Positions, r: &Rates, a: &Rates, out: &mut Vec<f64>) {
+    /// Second derivatives of the residuals, given the rates and second rates of the bodies and of the coordinates.
+    pub fn gap_second_rates(
+        &self,
+        p: &Positions,
+        (r, a): (&Rates, &Rates),
+        of_coordinates: [&[f64]; 2],
+        out: &mut Vec<f64>,
+    ) {
         out.clear();
         for &j in &self.cuts {
             let joint = &self.joints[j];
@@ -182,14 +198,18 @@ impl Linkage {
                             - omega * omega * normal.dot(&gap),
                     );
                 }
+                Freedom::Slot(index) => {
+                    let second = second - self.slot_second_rate(index, p, (r, a), of_coordinates);
+                    out.extend([second.x, second.y]);
+                }
                 Freedom::Coupling(index) => out.push(self.coupling_second_rate(&self.couplings[index], p, r, a)),
             }
         }
     }
 
     /// Derivatives of the residuals of the loop with index `index` in [`Self::cuts`], in the loop's columns. Rows of a
-    /// revolute joint: the gap's x and y. First row of a prismatic joint: the gap normal to the axis; of a coupling:
-    /// its residual.
+    /// revolute joint and a slot: the gap's x and y. First row of a prismatic joint: the gap normal to the axis; of a
+    /// coupling: its residual.
     pub fn partials(&self, p: &Positions, q: &[f64], index: usize, rows: &mut [Vec<f64>; 2]) {
         let (of, joint) = (&self.loops[index], &self.joints[self.cuts[index]]);
         let [x, y] = rows;
@@ -211,13 +231,22 @@ impl Linkage {
             }
         };
         add(of.second, perp(p.vector(joint.second.body, joint.second.local)));
-        add(of.first, -perp(p.vector(joint.first.body, joint.first.local)));
+        match joint.freedom {
+            Freedom::Slot(index) => {
+                let along = &p.slots[index];
+                add(of.first, -perp(p.vector(joint.first.body, joint.first.local) + along.out));
+                add(of.slide, -along.axis);
+            }
+            _ => add(of.first, -perp(p.vector(joint.first.body, joint.first.local))),
+        }
         for step in &of.steps {
             let arms = &p.arms[step.branch];
             add(step.parent, step.sign * perp(arms.from));
             let mut out = arms.to;
-            if let Some(s) = self.tree[step.branch].slide {
-                out -= q[s] * arms.axis;
+            if let Branch { slide: Some(s), joint, .. } = self.tree[step.branch] {
+                if !matches!(self.joints[joint].freedom, Freedom::Slot(_)) {
+                    out -= q[s] * arms.axis;
+                }
                 add(step.slide, step.sign * arms.axis);
             }
             add(step.child, -step.sign * perp(out));

@@ -1,6 +1,7 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
 //!
 //! In: coordinates and their derivatives. Out: the same of angles, origins and points. It must not know loops.
+use super::slot::Along;
 use super::structure::{Freedom, Joint, Linkage, Point};
 use crate::numerics::plane::{Vec2, perp, rotated};
 
@@ -15,14 +16,16 @@ pub struct Positions {
     pub origin: Vec<Vec2>,
     /// Arms of each branch of the tree.
     pub arms: Vec<Arms>,
+    /// Each slot.
+    pub slots: Vec<Along>,
 }
 
 /// Vectors of a branch of the tree, in the mechanism frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Arms {
-    /// From the parent's origin to the joint's point on the parent [m].
+    /// From the parent's origin to the joint's point on the parent, in a slot to the pin [m].
     pub from: Vec2,
-    /// From the child's origin to the joint's point on the child [m].
+    /// From the child's origin to the joint's point on the child, in a slot to the pin [m].
     pub to: Vec2,
     /// Direction of the child's motion for a growing position of the joint; 0 for a revolute joint.
     pub axis: Vec2,
@@ -108,6 +111,7 @@ impl Linkage {
         p.rotation.resize(self.bodies.len(), (1.0, 0.0));
         p.origin.resize(self.bodies.len(), Vec2::zeros());
         p.arms.resize(self.tree.len(), Arms::default());
+        p.slots.resize(self.slots.len(), Along::default());
         for ((body, angle), rotation) in self.bodies.iter().zip(&mut p.angle).zip(&mut p.rotation) {
             *angle = body.angle_coordinate.map_or(0.0, |t| q[t]) + body.offset;
             // No trigonometry for bodies at angle 0, such as the ground.
@@ -131,13 +135,22 @@ impl Linkage {
     /// Arms and origins from rotations, outward along the tree.
     fn place(&self, q: &[f64], p: &mut Positions) {
         let (rotations, origin) = (&p.rotation[..], &mut p.origin[..]);
+        for (slot, along) in self.slots.iter().zip(&mut p.slots) {
+            *along = slot.along(q[slot.coordinate], rotations[self.joints[slot.joint].first.body]);
+        }
         for (branch, arms) in self.tree.iter().zip(&mut p.arms) {
             arms.from = rotated(rotations[branch.parent], branch.from);
             arms.to = rotated(rotations[branch.child], branch.to);
+            let joint = &self.joints[branch.joint];
+            if let (Some(_), Freedom::Slot(index)) = (branch.slide, joint.freedom) {
+                // The pin is fixed in one body; in the other one it is where the curve is.
+                let Along { out, axis, .. } = p.slots[index];
+                let (curved, sign) = if branch.reversed { (&mut arms.to, -1.0) } else { (&mut arms.from, 1.0) };
+                *curved += out;
+                arms.axis = sign * axis;
+            }
             let mut child = origin[branch.parent] + arms.from - arms.to;
-            if let (Some(s), Joint { freedom: Freedom::Prismatic(e), first, .. }) =
-                (branch.slide, &self.joints[branch.joint])
-            {
+            if let (Some(s), Joint { freedom: Freedom::Prismatic(e), first, .. }) = (branch.slide, joint) {
                 arms.axis = rotated(rotations[first.body], *e) * if branch.reversed { -1.0 } else { 1.0 };
                 child += q[s] * arms.axis;
             }
@@ -159,7 +172,10 @@ impl Linkage {
             let mut v =
                 r.origin[branch.parent] + r.angle[branch.parent] * perp(from) - r.angle[branch.child] * perp(to);
             if let Some(s) = branch.slide {
-                v += q_rate[s] * axis + q[s] * r.angle[branch.child] * perp(axis);
+                v += match self.joints[branch.joint].freedom {
+                    Freedom::Slot(_) => q_rate[s] * axis,
+                    _ => q_rate[s] * axis + q[s] * r.angle[branch.child] * perp(axis),
+                };
             }
             r.origin[branch.child] = v;
         }
@@ -174,7 +190,13 @@ impl Linkage {
                 - r.angle[parent].powi(2) * from
                 - a.angle[child] * perp(to)
                 + r.angle[child].powi(2) * to;
-            if let Some(s) = branch.slide {
+            if let (Some(s), Joint { freedom: Freedom::Slot(index), first, .. }) =
+                (branch.slide, &self.joints[branch.joint])
+            {
+                let bend = if branch.reversed { -p.slots[*index].bend } else { p.slots[*index].bend };
+                let rate = q_rate[s];
+                v += q_second[s] * axis + rate * rate * bend + 2.0 * rate * r.angle[first.body] * perp(axis);
+            } else if let Some(s) = branch.slide {
                 let (omega, alpha) = (r.angle[child], a.angle[child]);
                 v += q_second[s] * axis
                     + 2.0 * q_rate[s] * omega * perp(axis)

@@ -4,6 +4,7 @@
 //! In: a coupling. Out: lines in the frames of the linkage's bodies. It must not know positions.
 use super::coupling::{Coupling, Kind, Second};
 use super::law::Law;
+use super::slot::Slot;
 use super::structure::{Freedom, Linkage, Point};
 use crate::numerics::plane::{Vec2, perp, turned};
 use std::f64::consts::TAU;
@@ -71,6 +72,13 @@ impl Linkage {
             let points = vec![one + first * out, other + sign * second * out];
             Outline { body: coupling.carrier, points, is_closed: false }
         })
+    }
+
+    /// The line along the middle of a slot.
+    pub fn slot_outline(&self, slot: &Slot) -> Outline {
+        let first = self.joints[slot.joint].first;
+        let at = |k: usize| slot.local(slot.track.length() * k as f64 / POINTS as f64)[0];
+        Outline { body: first.body, points: (0..=POINTS).map(|k| first.local + at(k)).collect(), is_closed: false }
     }
 
     /// Outlines of a coupling.

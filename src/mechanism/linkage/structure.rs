@@ -1,5 +1,6 @@
 //! Bodies, joints, spanning tree and loops of a linkage.
 use super::coupling::Coupling;
+use super::slot::Slot;
 use crate::numerics::plane::Vec2;
 
 /// Index of the ground among the bodies.
@@ -38,6 +39,8 @@ pub enum Freedom {
     Revolute,
     /// Translation of the second point along a line through the first; the unit vector is fixed in the first body.
     Prismatic(Vec2),
+    /// A pin in a curved slot, by its index among [`Linkage::slots`]: the second point is on a curve of the first body.
+    Slot(usize),
     /// A coupling, by its index among [`Linkage::couplings`]: no more than its equation. It is never in the tree.
     Coupling(usize),
 }
@@ -45,7 +48,12 @@ pub enum Freedom {
 impl Freedom {
     /// Number of loop equations of a joint outside the spanning tree.
     pub fn rows(self) -> usize {
-        if self == Self::Revolute { 2 } else { 1 }
+        if self.turns() { 2 } else { 1 }
+    }
+
+    /// Whether the two bodies turn freely, so that the joint has a force at its second point and no moment.
+    pub fn turns(self) -> bool {
+        matches!(self, Self::Revolute | Self::Slot(_))
     }
 }
 
@@ -71,7 +79,7 @@ pub struct Branch {
     pub parent: usize,
     /// Index of the joint between them.
     pub joint: usize,
-    /// Index of the coordinate that is the position of a prismatic joint.
+    /// Index of the coordinate that is the position of a prismatic joint or a slot.
     pub slide: Option<usize>,
     /// Joint's point on the parent, in the parent's frame [m].
     pub from: Vec2,
@@ -92,6 +100,8 @@ pub struct Loop {
     pub(super) first: Option<usize>,
     /// Column of the angle of the joint's second body.
     pub(super) second: Option<usize>,
+    /// Column of the position of a slot.
+    pub(super) slide: Option<usize>,
 }
 
 /// A branch as a part of a loop. `parent`, `child` and `slide` are columns of the loop: those of the parent's angle,
@@ -158,6 +168,8 @@ pub struct Linkage {
     pub loops: Vec<Loop>,
     /// Couplings in the order of the file.
     pub couplings: Vec<Coupling>,
+    /// Curved slots in the order of the file.
+    pub slots: Vec<Slot>,
     /// Rotors, one for each drive with a screw and one for each joint with a rotor.
     pub rotors: Vec<Rotor>,
     /// Names of the coordinates: of a body for an angle, of a joint for a position.

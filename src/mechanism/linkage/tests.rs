@@ -69,7 +69,7 @@ fn rates_are_derivatives(linkage: &Linkage, q: &[f64], v: &[f64], a: &[f64]) {
     let (g0, g, g1) = (linkage.gaps(&p0), linkage.gaps(&p), linkage.gaps(&p1));
     let first = linkage.jacobian(&p, &here) * nalgebra::DVector::from_column_slice(v);
     let mut twice = Vec::new();
-    linkage.gap_second_rates(&p, &rates, &second, &mut twice);
+    linkage.gap_second_rates(&p, (&rates, &second), [v, a], &mut twice);
     for i in 0..g.len() {
         assert!((first[i] - (g1[i] - g0[i]) / (2.0 * h)).abs() < 1e-8);
         assert!((twice[i] - (g1[i] - 2.0 * g[i] + g0[i]) / (h * h)).abs() < 1e-4);

@@ -22,7 +22,7 @@ use crate::numerics::plane::Vec2;
 use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
-pub use drives::{Drive, DriveLaw};
+pub use drives::{Drive, DriveLaw, Efficiency};
 use ends::{Hinges, between};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NetworkDrives, PORTS};
@@ -107,6 +107,8 @@ pub struct Lock {
     pub stop: usize,
     /// Point at which the lock holds the linkage.
     pub at: Point,
+    /// Force on this point at which the lock releases [N]; None for a lock that holds against any load.
+    pub release: Option<f64>,
 }
 
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
@@ -134,15 +136,14 @@ impl Loading {
         let mut constant: Vec<(f64, Load)> = Vec::new();
         let (mut drives, mut integrals) = (Vec::new(), 0);
         for (name, a) in mechanism.actuators.iter() {
-            let load =
-                between(mechanism, linkage, hinges, format_args!("actuators.{name}"), &a.first, &a.second, &a.joint)?;
+            let load = between(mechanism, linkage, hinges, format_args!("actuators.{name}"), a.between())?;
             let load = match a.screw {
                 Some(screw) => Load::Screw { along: Box::new(load), ratio: screw.ratio() },
                 None => load,
             };
             let is_rotary = matches!(load, Load::Couple { .. } | Load::Screw { .. });
             sized.push((format!("{name}.{}", if is_rotary { "torque" } else { "force" }), load));
-            drives.push(Drive { name: name.into(), is_rotary, efficiency: a.efficiency, law: None });
+            drives.push(Drive { name: name.into(), is_rotary, efficiency: Efficiency::of(a), law: None });
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
             let Some(mut law) = DriveLaw::new(name, a, sized.len())? else { continue };
@@ -183,8 +184,7 @@ impl Loading {
         loads.extend(more);
         let mut springs = Vec::new();
         for (name, s) in mechanism.springs.iter() {
-            let load =
-                between(mechanism, linkage, hinges, format_args!("springs.{name}"), &s.first, &s.second, &s.joint)?;
+            let load = between(mechanism, linkage, hinges, format_args!("springs.{name}"), s.between())?;
             springs.push(Spring {
                 name: name.into(),
                 load: loads.len(),
@@ -226,14 +226,13 @@ impl Loading {
                 Some(body) => {
                     let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
-                        let message = format!("{body} does not turn: give a body that turns, a joint or two points");
+                        let message =
+                            format!("{body} does not turn: give a body that turns, a joint, two points or two bodies");
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
                     Load::Torque { body: carrier, shift }
                 }
-                None => {
-                    between(mechanism, linkage, hinges, format_args!("stops.{name}"), &s.first, &s.second, &s.joint)?
-                }
+                None => between(mechanism, linkage, hinges, format_args!("stops.{name}"), s.between())?,
             };
             let quantity = match load {
                 Load::Torque { .. } | Load::Couple { .. } => "angle",
@@ -264,7 +263,7 @@ impl Loading {
                 return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
-            self.locks.push(Lock { name: name.into(), stop, at });
+            self.locks.push(Lock { name: name.into(), stop, at, release: lock.release_force });
         }
         Ok(())
     }

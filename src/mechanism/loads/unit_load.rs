@@ -68,7 +68,7 @@ pub enum Load {
         /// 2 pi over the lead [rad/m].
         ratio: f64,
     },
-    /// 1 N along the axis of a prismatic joint. S is the joint's position [m], or its opposite.
+    /// 1 N along the axis of a prismatic joint or along a slot. S is the joint's position [m], or its opposite.
     Slide {
         /// Index of the joint.
         joint: usize,
@@ -98,11 +98,12 @@ fn couple(body: usize, moment: f64) -> Wrench {
     Wrench { body, force: Vec2::zeros(), moment }
 }
 
-/// The two points of a prismatic joint and its axis in the mechanism frame; axis 0 for a revolute joint.
+/// The two points of a prismatic joint or a slot and its axis in the mechanism frame; axis 0 for a revolute joint.
 fn axis(linkage: &Linkage, p: &Positions, joint: usize) -> (Point, Point, Vec2) {
     let j = &linkage.joints[joint];
     let axis = match j.freedom {
         Freedom::Prismatic(e) => p.vector(j.first.body, e),
+        Freedom::Slot(index) => p.slots[index].axis,
         Freedom::Revolute | Freedom::Coupling(_) => Vec2::zeros(),
     };
     (j.first, j.second, axis)
@@ -126,7 +127,10 @@ impl Load {
                 (format!("the two ends are {s} m apart in every position"), "give two points whose distance changes")
             }
             Self::Slide { .. } => (format!("the joint is at {s} m in every position"), "give a joint that moves"),
-            _ => (format!("the joint is at {s} rad in every position"), "give a joint that moves"),
+            _ => (
+                format!("the angle is {s} rad in every position"),
+                "give a joint that moves, or two bodies that turn relative to each other",
+            ),
         }
     }
 
@@ -159,6 +163,9 @@ impl Load {
             }
             Self::Slide { joint, is_idle, .. } => {
                 *is_idle = at.iter().all(|c| {
+                    if let Freedom::Slot(index) = linkage.joints[*joint].freedom {
+                        return still(c.q_sigma[linkage.slots[index].coordinate], c.rates.largest(size) * size);
+                    }
                     let (first, second, axis) = axis(linkage, &c.positions, *joint);
                     let [v1, v2] = [first, second].map(|point| c.positions.velocity(&c.rates, point));
                     still(axis.dot(&(v2 - v1)), c.rates.largest(size) * size)
@@ -188,10 +195,13 @@ impl Load {
             Self::Torque { body, shift } => p.angle[body] + shift,
             Self::Couple { first, second, shift, .. } => p.angle[second] - p.angle[first] + shift,
             Self::Screw { ref along, ratio } => ratio * along.displacement_at(linkage, p),
-            Self::Slide { joint, sign, .. } => {
-                let (first, second, axis) = axis(linkage, p, joint);
-                sign * axis.dot(&(p.point(second) - p.point(first)))
-            }
+            Self::Slide { joint, sign, .. } => match linkage.joints[joint].freedom {
+                Freedom::Slot(index) => sign * p.slots[index].position,
+                _ => {
+                    let (first, second, axis) = axis(linkage, p, joint);
+                    sign * axis.dot(&(p.point(second) - p.point(first)))
+                }
+            },
         }
     }
 
@@ -229,6 +239,10 @@ impl Load {
                 [of(&p.angle) + shift, of(&c.rates.angle), of(&c.second.angle)]
             }
             Self::Slide { joint, sign, .. } => {
+                if let Freedom::Slot(index) = linkage.joints[joint].freedom {
+                    let own = linkage.slots[index].coordinate;
+                    return [c.q[own], c.q_sigma[own], c.q_second[own]].map(|s| sign * s);
+                }
                 // The gap is s e, with e fixed in the first body: gap'' = (s'' - s omega^2) e + (...) e_normal.
                 let (first, second, axis) = axis(linkage, p, joint);
                 let ([x1, v1, a1], [x2, v2, a2]) = (point(first), point(second));

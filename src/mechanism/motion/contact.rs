@@ -10,7 +10,7 @@
 //! | Free | Latched | [`Contact::rests`]: the same with a lock engaged, which catches the mechanism |
 //! | Resting | Latched | [`Contact::locks_set`]: a lock is engaged |
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
-//! | Resting | Free | [`Contact::released`]: nothing holds the mechanism, or the loads draw it off a rigid stop |
+//! | Resting | Free | [`Contact::released`]: the loads draw it off a rigid stop, beyond the release force of a lock |
 //! | Free | Resting, Latched | [`Contact::rests`]: of two stops at one place the other holds what the first let go |
 //! | Free | Arrived | [`Contact::arrives`]: an advance that pauses at events has come to a stop |
 //! | Arrived | Free | [`Contact::take_arrival`]: it follows, as of a mechanism that is free |
@@ -64,6 +64,9 @@ pub struct Travel {
     /// sigma at the low and at the high side where two ends of a drive, a spring or a stop coincide: unless a rigid
     /// stop is met before, the motion cannot go on there.
     pub ends_meet: [Option<f64>; 2],
+    /// Generalised force up to which the lock at the rigid stop of each side holds; None for a lock that holds against
+    /// any load, and where there is none.
+    pub grips: [Option<f64>; 2],
     /// Side and index of each stop at the very place of a rigid stop that acts, so that it never acts itself.
     pub beside: Vec<(usize, usize)>,
 }
@@ -241,10 +244,32 @@ impl<'a> Ends<'a> {
         }
     }
 
+    /// Whether a lock is engaged at a place that holds against any load.
+    #[inline]
+    pub fn is_fast(&self, place: Place) -> bool {
+        self.is_locked(place) && !(place.bumper.is_none() && self.travel.grips[place.side].is_some())
+    }
+
+    /// Generalised force up to which an engaged lock with a release force holds at a place; 0 without such a lock.
+    #[inline]
+    pub fn grip(&self, place: Place) -> f64 {
+        match place.bumper {
+            None if self.locked.rigid[place.side] => self.travel.grips[place.side].unwrap_or(0.0),
+            _ => 0.0,
+        }
+    }
+
     /// All places that are exactly at sigma, rigid stops first.
     pub fn at(&self, sigma: f64) -> impl Iterator<Item = Place> + use<'a> {
         let shift = self.shift;
         self.travel.places().filter(move |(_, position)| position - shift == sigma).map(|(place, _)| place)
+    }
+
+    /// Whether a mechanism at rest at a place stays there without a lock that holds against any load: a rigid stop
+    /// holds it, or a lock does whose release force `acceleration`, sigma_ddot without both, does not exceed.
+    #[inline]
+    pub fn is_held(&self, place: Place, acceleration: f64) -> bool {
+        place.bumper.is_none() && acceleration * place.outward() >= -self.grip(place)
     }
 
     /// Whether a mechanism at rest at a place stays there without a lock: the stop is rigid, and `acceleration`,
@@ -268,7 +293,8 @@ pub enum Holder {
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rest {
     place: Place,
-    /// Whether a lock is engaged there; else a rigid stop holds the mechanism as long as the loads press it on.
+    /// Whether a lock is engaged there that holds against any load; else a rigid stop holds the mechanism as long as
+    /// the loads press it on, or a lock up to its release force.
     latched: bool,
 }
 
@@ -309,7 +335,7 @@ impl Contact {
     #[inline]
     pub fn locks_set(&mut self, ends: &Ends) {
         if let Some(rest) = &mut self.rest {
-            rest.latched = ends.is_locked(rest.place);
+            rest.latched = ends.is_fast(rest.place);
         }
     }
 
@@ -363,7 +389,9 @@ impl Contact {
         let others = || ends.position(place).into_iter().flat_map(|sigma| ends.at(sigma));
         let all = || iter::once(place).chain(others());
         let pressed = all().find(|place| ends.is_pressed(*place, acceleration)).map(|place| (place, Holder::Stop));
-        pressed.or_else(|| Some((all().find(|place| ends.is_locked(*place))?, Holder::Lock)))
+        let locks =
+            |place: &Place| ends.is_fast(*place) || ends.grip(*place) > 0.0 && ends.is_held(*place, acceleration);
+        pressed.or_else(|| Some((all().find(locks)?, Holder::Lock)))
     }
 
     /// The state, written or read.

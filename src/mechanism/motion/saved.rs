@@ -12,6 +12,7 @@ use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::prescribed::PrescribedState;
+use crate::mechanism::motion::travel::grips;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bits::become_same;
 use std::sync::Arc;
@@ -107,6 +108,8 @@ impl SavedState {
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
+        let grips = grips(&saved.travel, reduced)?;
+        Arc::make_mut(&mut saved.travel).grips = grips;
         Ok(saved)
     }
 

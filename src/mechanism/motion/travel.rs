@@ -2,10 +2,11 @@
 //!
 //! In: the reduced model, its stops, the start. Out: the places on the curve where stops are first met, up to the first
 //! rigid stop on each side. It must not know time.
+use crate::mechanism::definition::DefinitionError;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::laws::stop::Stop;
-use crate::mechanism::motion::contact::{BumperPlaces, RigidEnd, Travel, outward};
+use crate::mechanism::motion::contact::{BumperPlaces, Place, RigidEnd, Travel, outward};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bracket::bisect;
 use crate::numerics::table::{Table, polynomial};
@@ -64,7 +65,35 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
         place_bumpers(&mut travel.bumpers, side, all(), |position| ahead(position) < end - one_place, one_place);
     }
     add_slopes(&mut travel, reduced);
+    travel.grips = grips(&travel, reduced)?;
     Ok(travel)
+}
+
+/// What the locks with a release force hold at the rigid stop of each side.
+///
+/// # Errors
+/// The stop of such a lock is a bumper, or another lock is at the same place.
+pub fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], ModelError> {
+    let mut grips = [None; 2];
+    let loading = reduced.loading();
+    for (index, lock) in loading.locks.iter().enumerate() {
+        let Some(force) = lock.release else { continue };
+        let refused =
+            |message: &str| Err(DefinitionError::key(format_args!("locks.{}.release_force", lock.name), message));
+        let stop = &loading.stops[lock.stop];
+        if stop.enabled && !stop.rigid {
+            refused("the stop of this lock is a bumper: set rigid of the stop to true, or remove this key")?;
+        }
+        for side in 0..2 {
+            let place = Place::rigid(side);
+            let Some(end) = travel.rigid[side].filter(|_| travel.holds(place, lock.stop)) else { continue };
+            if loading.locks.iter().filter(|other| travel.holds(place, other.stop)).count() > 1 {
+                refused("another lock is at the same stop: combine the two locks, or remove this key")?;
+            }
+            grips[side] = Some(force * reduced.lock_path(index, reduced.unwound(end.position).0).norm());
+        }
+    }
+    Ok(grips)
 }
 
 /// The derivative along sigma of each stop's displacement at its places.

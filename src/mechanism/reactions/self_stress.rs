@@ -142,13 +142,13 @@ fn open(closure: &Closure) -> Vec<[Option<Open>; COMPONENTS]> {
     open
 }
 
-/// Joints between the same two bodies, where there are several; couplings are none.
+/// Joints between the same two bodies, where there are several; couplings and slots are none.
 fn between_same_bodies(linkage: &Linkage) -> Vec<Vec<usize>> {
     let bodies = |j: usize| {
         let [a, b] = [linkage.joints[j].first.body, linkage.joints[j].second.body];
         (a.min(b), a.max(b))
     };
-    let is_joint = |j: &usize| !matches!(linkage.joints[*j].freedom, Freedom::Coupling(_));
+    let is_joint = |j: &usize| !matches!(linkage.joints[*j].freedom, Freedom::Coupling(_) | Freedom::Slot(_));
     let joints = order::sorted_by_pair((0..linkage.joints.len()).filter(is_joint).collect(), |j| bodies(*j));
     let of_two = joints.chunk_by(|a, b| bodies(*a) == bodies(*b));
     of_two.filter(|joints| joints.len() > 1).map(<[usize]>::to_vec).collect()

@@ -1,6 +1,6 @@
-//! Knots of the motion: positions at which the law of a coupling is only twice continuously differentiable, such as the
-//! borders of the segments of a cam, and those at which the curve of a spring turns, as in a detent, which a step could
-//! pass over unseen. A step that passes a knot ends there.
+//! Knots of the motion: positions at which the law of a coupling or the curve of a slot is only a few times
+//! continuously differentiable, such as the borders of the segments of a cam, and those at which the curve of a spring
+//! turns, as in a detent, which a step could pass over unseen. A step that passes a knot ends there.
 //!
 //! In: the reduced model, a sigma, a direction. Out: the next knot. It must not know states or inputs.
 use super::model::Reduced;
@@ -17,10 +17,10 @@ pub const AT_KNOT: f64 = 1e-9;
 /// displacement over the panel beside it.
 const AT_POINT: f64 = 1e-9;
 
-/// Values of sigma at which the law of a coupling is not analytic, and those of `borders` at which the curve of a
-/// spring turns, ascending; none for a mechanism that has neither.
+/// Values of sigma at which the law of a coupling or the curve of a slot is not analytic, and those of `borders` at
+/// which the curve of a spring turns, ascending; none for a mechanism that has neither.
 pub(super) fn knots(curve: &Curve, loading: &Loading, borders: &[f64]) -> Option<Box<[f64]>> {
-    let has_knots = curve.linkage().couplings.iter().any(|coupling| coupling.law.has_knots());
+    let has_knots = curve.linkage().has_knots();
     let mut all = if has_knots { curve.law_knots_from_start() } else { Vec::new() };
     let mut turns = false;
     for spring in &loading.springs {

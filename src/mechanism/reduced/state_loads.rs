@@ -342,7 +342,7 @@ impl StateLoads {
         for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.groups.signs).enumerate() {
             let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {
-                Freedom::Revolute | Freedom::Coupling(_) => None,
+                Freedom::Revolute | Freedom::Slot(_) | Freedom::Coupling(_) => None,
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
             if let FrictionKind::Constant(_) = friction_joint.kind {

@@ -78,7 +78,8 @@ impl RigidFem {
     ) -> Result<Self, RigidFemError> {
         let mesh = Mesh::new(linkage, axial_stiffness)?;
         for drive in &loading.drives {
-            if let Some(value) = drive.efficiency.filter(|eta| *eta != 1.0) {
+            let eta = drive.efficiency.map(|eta| eta.forward.min(eta.backward));
+            if let Some(value) = eta.filter(|eta| *eta != 1.0) {
                 return Err(RigidFemError::Efficiency { drive: drive.name.clone(), value });
             }
         }

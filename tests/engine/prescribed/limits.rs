@@ -73,7 +73,7 @@ fn a_dead_centre_is_reported_and_the_call_returns() {
 fn a_drive_that_never_moves_cannot_have_a_prescribed_motion() {
     for (ends, words) in [
         (json!({ "first": "ground.origin", "second": "crank.end" }), "m apart in every position"),
-        (json!({ "joint": "twins" }), "the joint is at 0 rad in every position"),
+        (json!({ "joint": "twins" }), "the angle is 0 rad in every position"),
     ] {
         for position in [0.0, 0.1] {
             let mut crank = slider_crank(&json!(null));

@@ -13,7 +13,8 @@ impl Draft<'_> {
             let stop = &scene.stops[met.stop];
             let of_joint = || Some(scene.joints.get(stop.joint?)?.second.frame);
             let moving = |ends: [On; 2]| ends.iter().rev().map(|on| on.frame).find(|frame| *frame != 0);
-            let Some(moved) = stop.frame.or_else(|| stop.ends.and_then(moving)).or_else(of_joint) else { continue };
+            let between = stop.ends.or(stop.bodies);
+            let Some(moved) = stop.frame.or_else(|| between.and_then(moving)).or_else(of_joint) else { continue };
             let mut far: Option<(f64, Point)> = None;
             for body in scene.bodies.iter().filter(|body| frame(body) == moved && moved != 0) {
                 let at = |on: On| self.pixel(position(&met.poses, on));

@@ -102,6 +102,11 @@ class Arrows {
         direct(poses, joint.first.frame, joint.axis).map((e) => sign * e * linear(size, i)));
     } else if (joint) {
       torque("load", connection.name, joint.second, get(`${connection.name}.torque`));
+    } else if (connection.bodies) {
+      const sizes = get(`${connection.name}.torque`);
+      connection.bodies.forEach((on, k) => {
+        if (on.frame !== 0) torque("load", connection.name, on, sizes?.map((size) => sign * (k ? 1 : -1) * size));
+      });
     }
   }
 

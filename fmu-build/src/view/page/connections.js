@@ -32,12 +32,12 @@ class Connections {
     for (const spring of this.scene.springs) {
       const ends = this.ends(spring);
       if (ends) this.drawSpring(spring, ends);
-      else this.drawRing(this.scene.joints[spring.joint], "spiral", spring.name);
+      else this.drawRings(spring, "spiral");
     }
     const strokes = this.strokes(this.drawing.sources);
     strokes.forEach((stroke) => this.drawCylinder(stroke));
     for (const drive of this.scene.actuators) {
-      if (strokes.every((stroke) => stroke.drive !== drive)) this.drawRing(this.scene.joints[drive.joint], "motor", drive.name);
+      if (strokes.every((stroke) => stroke.drive !== drive)) this.drawRings(drive, "motor");
     }
   }
 
@@ -95,13 +95,18 @@ class Connections {
     });
   }
 
-  /** A drive or a spring in a revolute joint. */
-  drawRing(joint, kind, name) {
+  /** A drive or a spring in a revolute joint, or at each of two bodies that turn. */
+  drawRings({ bodies, joint, name }, kind) {
+    const at = bodies?.filter((on) => on.frame !== 0) ?? [this.scene.joints[joint].second];
+    for (const on of at) this.drawRing(on, kind, name);
+  }
+
+  drawRing(on, kind, name) {
     const group = element("g", { class: `ring ${kind}` }, this.drawing.layers.cylinders);
     element("title", {}, group, name);
     const r = this.half + 7;
     const path = kind === "motor" ? `M${r} 0A${r} ${r} 0 1 1 0 ${-r}` : "M3 0A4 4 0 1 1-5 0 6 6 0 1 1 7 0 8 8 0 1 1-9 0 10 10 0 0 1 11 0";
     element("path", { d: path }, group);
-    this.drawing.follow(group, joint.second);
+    this.drawing.follow(group, on);
   }
 }

@@ -256,7 +256,8 @@ class Drawing {
   drawStops() {
     for (const met of this.data.travel?.stops ?? []) {
       const stop = this.scene.stops[met.stop];
-      const frame = stop.frame ?? (stop.ends ? stop.ends[1].frame || stop.ends[0].frame : this.scene.joints[stop.joint]?.second.frame);
+      const ends = stop.ends ?? stop.bodies;
+      const frame = stop.frame ?? (ends ? ends[1].frame || ends[0].frame : this.scene.joints[stop.joint]?.second.frame);
       const group = element("g", { class: stop.rigid ? "ghost" : "ghost bumper", "data-stop": stop.name }, this.layers.ghosts);
       let [far, label] = [-1, [0, 0]];
       for (const body of this.scene.bodies.filter((b) => b.points[0].frame === (frame || -1))) {

@@ -4,7 +4,6 @@
 //! know what an entry means.
 use super::{Check, refused};
 use crate::format::{DefinitionError, Faults, Named, is_reserved};
-use crate::mechanism::definition::bodies::JointKind;
 use crate::mechanism::definition::mechanism::Mechanism;
 use crate::numerics::order;
 use crate::variables::nearest;
@@ -112,7 +111,7 @@ impl Mechanism {
             }
         }
         // Both would have one name in the guess, and one variable for two speeds.
-        for (name, _) in self.joints.iter().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
+        for (name, _) in self.joints.iter().filter(|(_, joint)| joint.slides()) {
             if self.bodies.get(name).is_some() {
                 let message = format!("`{name}` is the name of a body and of a joint: rename one of them");
                 faults.keep::<()>(refused(format_args!("joints.{name}"), message));

@@ -5,6 +5,7 @@
 //! the motion. It must not know friction.
 use super::{Mode, StateLoadEvaluator};
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::loads::resolved::Efficiency;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::Number;
 use crate::numerics::table::polynomial_at;
@@ -64,7 +65,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             }
             let size = applied.size(load, t);
             let full = influence * size;
-            let efficiency = reduced.loading().drives[load].efficiency.unwrap_or(1.0);
+            let efficiency = reduced.loading().drives[load].efficiency;
             let law = state_loads.laws.iter().find(|law| law.drive == load).map(|law| law.at);
             let further = law.map_or(0.0, |law| (influence * self.delivered[law]).value());
             let part = efficient(self.switches.see(k, full.value() + further), mode.direction, efficiency);
@@ -84,14 +85,18 @@ impl<T: Number> StateLoadEvaluator<T> {
     }
 }
 
-/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: eta where
-/// power flows into the mechanism, 1/eta where it flows back; 1 without a direction, as no power flows.
-fn efficient(full: f64, direction: f64, efficiency: f64) -> f64 {
-    if direction == 0.0 {
-        1.0
-    } else if full * direction > 0.0 {
-        efficiency
-    } else {
-        1.0 / efficiency
+/// Delivered part of a drive's force ([CK16] eqs. (5), (29)), where `full` is the force times its influence: the
+/// efficiency where power flows into the mechanism, the inverse of that of the other direction where power flows back;
+/// 1 without a direction, as no power flows.
+fn efficient(full: f64, direction: f64, efficiency: Option<Efficiency>) -> f64 {
+    match efficiency {
+        Some(eta) if direction != 0.0 => {
+            if full * direction > 0.0 {
+                eta.forward
+            } else {
+                1.0 / eta.backward
+            }
+        }
+        _ => 1.0,
     }
 }

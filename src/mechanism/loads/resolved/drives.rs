@@ -9,6 +9,24 @@ use crate::numerics::monotone::monotone;
 use crate::numerics::piecewise::Piecewise;
 use std::ops::Range;
 
+/// Efficiency of a drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Efficiency {
+    /// Where power flows into the mechanism [1].
+    pub forward: f64,
+    /// Where power flows back [1].
+    pub backward: f64,
+}
+
+impl Efficiency {
+    /// The efficiency of a drive, if its definition states one.
+    pub(super) fn of(drive: &Actuator) -> Option<Self> {
+        let (forward, backward) = (drive.efficiency, drive.backward_efficiency);
+        let forward_or = forward.unwrap_or(1.0);
+        forward.or(backward).map(|_| Self { forward: forward_or, backward: backward.unwrap_or(forward_or) })
+    }
+}
+
 /// A drive of the mechanism.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
@@ -17,7 +35,7 @@ pub struct Drive {
     /// Whether the drive turns a joint or a screw; else it moves along a line.
     pub is_rotary: bool,
     /// Efficiency [1], [CK16] eq. (5); None where the definition states none.
-    pub efficiency: Option<f64>,
+    pub efficiency: Option<Efficiency>,
     /// Law by which the motion of the drive sizes a part of its force.
     pub law: Option<DriveLaw>,
 }

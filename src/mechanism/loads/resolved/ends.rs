@@ -1,8 +1,8 @@
-//! The ends of a load: two points, or the two sides of a joint.
+//! The ends of a load: two points, the two sides of a joint, or two bodies.
 //!
 //! In: keys of a definition, its linkage. Out: the load of unit size between them, or why none can act there. It must
 //! not know the state.
-use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::definition::{Between, DefinitionError, Mechanism, PLACES};
 use crate::mechanism::linkage::{Freedom, Linkage, Point};
 use crate::mechanism::loads::unit_load::Load;
 use std::collections::HashMap;
@@ -58,40 +58,57 @@ impl Hinges {
     }
 }
 
-/// Load between two points, or in a joint.
+/// Load between two points, in a joint or between two bodies.
 pub(super) fn between(
     mechanism: &Mechanism,
     linkage: &Linkage,
     hinges: &Hinges,
     key: fmt::Arguments,
-    first: &Option<String>,
-    second: &Option<String>,
-    joint: &Option<String>,
+    place: Option<Between>,
 ) -> Result<Load, DefinitionError> {
-    let missing = || DefinitionError::key(key, "give the keys \"first\" and \"second\", or the key \"joint\"");
-    if let (Some(first), Some(second)) = (first, second) {
-        let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
-        let (first, second) = (end("first", first)?, end("second", second)?);
-        if first.body == second.body {
-            let message = format!(
-                "both ends are on {}, so this element has no effect: give points of two bodies",
-                linkage.bodies[first.body].name
-            );
-            return Err(DefinitionError::key(key, message));
+    let missing = || DefinitionError::key(key, PLACES);
+    match place.ok_or_else(missing)? {
+        Between::Points([first, second]) => {
+            let end = |k: &str, text: &str| linkage.locate(mechanism, format_args!("{key}.{k}"), text);
+            let (first, second) = (end("first", first)?, end("second", second)?);
+            if first.body == second.body {
+                let message = format!(
+                    "both ends are on {}, so this element has no effect: give points of two bodies",
+                    linkage.bodies[first.body].name
+                );
+                return Err(DefinitionError::key(key, message));
+            }
+            if let Some(joint) = hinges.joining(first, second) {
+                let name = &linkage.joints[joint].name;
+                let message =
+                    format!("both ends are the point {name}, so the length is zero: give two different points");
+                return Err(DefinitionError::key(key, message));
+            }
+            Ok(Load::Pair { first, second, is_idle: false })
         }
-        if let Some(joint) = hinges.joining(first, second) {
-            let name = &linkage.joints[joint].name;
-            let message = format!("both ends are the point {name}, so the length is zero: give two different points");
-            return Err(DefinitionError::key(key, message));
+        Between::Joint(name) => {
+            let joint = mechanism.joints.position(name).ok_or_else(missing)?;
+            let named = mechanism.joints.get(name).ok_or_else(missing)?;
+            // The angle of a revolute joint is that of the bodies that the file names, which others may carry.
+            let shift = linkage.angle_of(mechanism, &named.second) - linkage.angle_of(mechanism, &named.first);
+            Ok(joint_load(linkage, joint, shift))
         }
-        return Ok(Load::Pair { first, second, is_idle: false });
+        Between::Bodies(names) => {
+            let [first, second] = names.map(|name| linkage.carrier(mechanism, name));
+            let ((first, before), (second, after)) = (first.ok_or_else(missing)?, second.ok_or_else(missing)?);
+            // The bodies of one group turn together, and the ground has no group.
+            let [one, other] = [first, second].map(|body| linkage.bodies[body].angle_coordinate);
+            if one == other {
+                let message = format!(
+                    "{} does not turn relative to {}, so this element has no effect: name two bodies that turn \
+                     relative to each other",
+                    names[1], names[0]
+                );
+                return Err(DefinitionError::key(key, message));
+            }
+            Ok(Load::Couple { first, second, shift: after - before, is_idle: false })
+        }
     }
-    let name = joint.as_ref().ok_or_else(missing)?;
-    let joint = mechanism.joints.position(name).ok_or_else(missing)?;
-    let named = mechanism.joints.get(name).ok_or_else(missing)?;
-    // The angle of a revolute joint is that of the bodies that the file names, which others may carry.
-    let shift = linkage.angle_of(mechanism, &named.second) - linkage.angle_of(mechanism, &named.first);
-    Ok(joint_load(linkage, joint, shift))
 }
 
 /// Load in a joint: a couple between the bodies of a revolute joint, whose S is the angle between them plus `shift`; a
@@ -100,6 +117,8 @@ pub(super) fn joint_load(linkage: &Linkage, joint: usize, shift: f64) -> Load {
     let j = &linkage.joints[joint];
     match j.freedom {
         Freedom::Revolute => Load::Couple { first: j.first.body, second: j.second.body, shift, is_idle: false },
-        Freedom::Prismatic(_) | Freedom::Coupling(_) => Load::Slide { joint, sign: 1.0, is_idle: false },
+        Freedom::Prismatic(_) | Freedom::Slot(_) | Freedom::Coupling(_) => {
+            Load::Slide { joint, sign: 1.0, is_idle: false }
+        }
     }
 }

@@ -61,9 +61,9 @@ pub enum FrictionKind {
 /// Constant friction is that of a reaction that has this size in any state, with the coefficient 1.
 ///
 /// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its
-/// second body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta - 1)
-/// |F_t| where it flows back, against the motion. F_t is the force on the first body; the second gives or gets
-/// eta F_t, or F_t / eta.
+/// second body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta_b - 1)
+/// |F_t| where it flows back, against the motion, with the backward efficiency eta_b, which is eta unless stated. F_t
+/// is the force on the first body; the second gives or gets eta F_t, or F_t / eta_b.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
     /// Index of the joint.
@@ -129,8 +129,16 @@ impl Loading {
                     )
                 }
             };
-            let (joint, index, law) = (coupling.joint, self.loads.len(), coulomb(1.0 - efficiency));
-            let (kind, back) = (FrictionKind::Coupling, 1.0 / efficiency);
+            let (joint, index) = (coupling.joint, self.loads.len());
+            let (lost, back) = match defined.backward_efficiency {
+                None => (1.0 - efficiency, 1.0 / efficiency),
+                // The ratio of the losses needs a loss, which may be rounding.
+                Some(backward) => {
+                    let lost = (1.0 - efficiency).max(f64::EPSILON);
+                    (lost, (1.0 / backward - 1.0) / lost)
+                }
+            };
+            let (kind, law) = (FrictionKind::Coupling, coulomb(lost));
             friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
             self.loads.push(load);
         }
@@ -173,7 +181,7 @@ impl Loading {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
+                (Freedom::Revolute, None) | (Freedom::Slot(_) | Freedom::Coupling(_), _) => continue,
             };
             let law = Law {
                 sticks,

@@ -70,7 +70,8 @@ pub fn value_of(
         Indicator::End(side) => match (rest, state.travel.end(side)) {
             // Between two rigid stops at one place nothing releases the mechanism.
             (Some(place), end) if place == Place::rigid(side) && end != state.travel.end(1 - side) => {
-                view.forces()?.free * outward(side) + PRESS_SHIFT
+                let grip = state.ends(view.reduced, locks).grip(place);
+                view.forces()?.free * outward(side) + grip + PRESS_SHIFT
             }
             (_, Some(position)) => shift - beyond(x, position, side),
             (_, None) => ABSENT,
@@ -167,6 +168,10 @@ fn points(view: &mut View<f64>, curve: Curve) -> Result<f64, OutputError> {
             // The contact itself has an indicator of its own.
             let (stop, all) = (&loading.stops[k], knots(loading.stops[k].curve.as_ref()));
             alternating(all.get(1..).unwrap_or_default(), stop.beyond(view.displacement(stop.load, 0)?))
+        }
+        Curve::Slot(k) => {
+            let slot = &view.reduced.linkage().slots[k];
+            alternating(slot.track.knots(), view.joint_position(slot.coordinate, 0)?)
         }
         Curve::Cam(k) => {
             let linkage = view.reduced.linkage();

@@ -157,7 +157,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// The mechanism has come to rest at a place.
     #[inline(always)]
     pub(super) fn rests(&mut self, place: Place, locked: bool) {
-        self.contact.rests(place, locked);
+        self.contact.rests(place, locked && self.ends.is_fast(place));
         if let Some((stop, _)) = self.ends.travel.stop(place) {
             self.tell(if locked { What::Caught { stop } } else { What::Rests { stop } });
         }

@@ -13,7 +13,8 @@ use crate::numerics::bracket::bisect;
 use crate::numerics::passage::first_rise_of_quartic;
 
 impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
-    /// At rest at a place: held by a lock, or by a rigid stop until the loads no longer press the mechanism against it.
+    /// At rest at a place: held by a lock, or by a rigid stop until the loads no longer press the mechanism against it,
+    /// or exceed what a lock holds.
     #[inline(always)]
     pub(super) fn rest(&mut self, place: Place, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         let sigma = z[0];
@@ -23,9 +24,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
             return Ok(Instant::Held);
         }
-        if self.is_pressed(place, sigma)? {
+        let grip = self.ends.grip(place);
+        if self.is_held(place, sigma)? {
             let inward = -place.outward();
-            if !self.wait_until(z, span, [inward; 2])? {
+            self.progress.grip = grip;
+            let sets_off = self.wait_until(z, span, [inward; 2]);
+            self.progress.grip = 0.0;
+            if !sets_off? {
                 return Ok(Instant::Held);
             }
             if self.pauses() {
@@ -33,10 +38,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
         }
         self.contact.released();
+        if let Some((stop, _)) = self.ends.travel.stop(place).filter(|_| grip > 0.0) {
+            self.tell(What::LetGo { stop });
+        }
         self.jumped();
         // Of two stops at one place, what one lets go the other may hold.
         for other in self.ends.at(sigma).filter(|other| *other != place) {
-            if self.ends.is_locked(other) || self.is_pressed(other, sigma)? {
+            if self.ends.is_fast(other) || self.is_held(other, sigma)? {
                 self.rests(other, self.ends.is_locked(other));
                 break;
             }
@@ -100,10 +108,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let b = self.next_switch(a, span).min(a + longest);
             let mut first = None;
             for direction in directions {
-                let dynamics = &mut *self.dynamics;
+                let (dynamics, grip) = (&mut *self.dynamics, self.progress.grip);
                 let excess = |t: f64| {
                     dynamics.set_time(t);
-                    Ok::<f64, Locked>(dynamics.acceleration_from_rest(sigma, *direction)? * direction)
+                    Ok::<f64, Locked>(dynamics.acceleration_from_rest(sigma, *direction)? * direction - grip)
                 };
                 let rise = first_rise_of_quartic(excess, [a, b], CLOSE * (span - from))?;
                 first = [first, rise].into_iter().flatten().reduce(f64::min);
@@ -244,7 +252,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(self.excess_from_rest(t, z, directions)? > 0.0)
     }
 
-    /// The largest acceleration with which a mechanism at rest would set off in one of these directions; below 0: none.
+    /// The largest acceleration with which a mechanism at rest would set off in one of these directions, less what a
+    /// lock holds; below 0: none.
     fn excess_from_rest(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<f64, Locked> {
         self.dynamics.set_time(t);
         self.dynamics.set_state(z);
@@ -252,7 +261,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         for &direction in directions {
             most = most.max(self.dynamics.acceleration_from_rest(z[0], direction)? * direction);
         }
-        Ok(most)
+        Ok(most - self.progress.grip)
     }
 
     /// The first time after `t`, at most `span`, at which an input passes 0 whose sign decides a law at rest.
@@ -271,10 +280,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         next
     }
 
-    /// Whether the loads press a mechanism at rest at a place against a rigid stop.
+    /// Whether the loads press a mechanism at rest at a place against a rigid stop, or a lock there holds it.
     #[inline(always)]
-    fn is_pressed(&mut self, place: Place, sigma: f64) -> Result<bool, Locked> {
-        Ok(place.bumper.is_none() && self.ends.is_pressed(place, self.dynamics.free_acceleration(sigma, 0.0)?))
+    fn is_held(&mut self, place: Place, sigma: f64) -> Result<bool, Locked> {
+        Ok(place.bumper.is_none() && self.ends.is_held(place, self.dynamics.free_acceleration(sigma, 0.0)?))
     }
 }
 

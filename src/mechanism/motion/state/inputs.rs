@@ -14,6 +14,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
 use crate::mechanism::motion::prescribed::PrescribedState;
+use crate::mechanism::motion::travel::grips;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
 
@@ -80,6 +81,8 @@ impl State {
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
+        let grips = grips(&saved.travel, reduced)?;
+        Arc::make_mut(&mut saved.travel).grips = grips;
         if let Err((stretch, end)) = reduced.reach(saved.sigma) {
             return Err(ModelError::travel((stretch, end), saved.sigma));
         }

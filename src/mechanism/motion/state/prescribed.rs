@@ -222,7 +222,7 @@ impl State {
         let ends = Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let resting = ends.at(self.sigma).next().filter(|_| self.sigma_dot == 0.0);
         if let Some(place) = resting {
-            let is_locked = ends.is_locked(place);
+            let is_locked = ends.is_fast(place);
             self.saved.contact.rests(place, is_locked);
         }
     }

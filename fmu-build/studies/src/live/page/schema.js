@@ -2,7 +2,7 @@
 
 const schema = JSON.parse(byId("live-schema").textContent);
 /** Keys whose values name a part of the definition, with the key of these parts. */
-const NAMES = { body: "bodies", on: "bodies", stop: "stops" };
+const NAMES = { body: "bodies", first_body: "bodies", second_body: "bodies", on: "bodies", stop: "stops" };
 
 /** A schema with resolved references. Of several kinds of value, the one that is an object or a list. */
 function resolved(part) {

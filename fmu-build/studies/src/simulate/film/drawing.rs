@@ -315,7 +315,7 @@ impl Picture<'_> {
         self.canvas.dot(center, radius, WHITE);
     }
 
-    /// A cylinder between two points, or an arrow around a joint.
+    /// A cylinder between two points, or an arrow around a joint or around each of two bodies.
     fn drive(&mut self, drive: &Connection, least: f64) {
         if let Some([first, second]) = drive.ends {
             let (a, b) = (self.at(first), self.at(second));
@@ -328,11 +328,18 @@ impl Picture<'_> {
             }
             return [a, b].into_iter().for_each(|end| self.canvas.dot(end, 3.4, DRIVE));
         }
-        let Some(joint) = drive.joint.and_then(|index| self.drawing.scene.joints.get(index)) else { return };
-        if joint.axis.is_some() {
-            return;
+        if let Some(bodies) = drive.bodies {
+            return bodies.into_iter().filter(|on| on.frame != 0).for_each(|on| self.motor(on));
         }
-        let [x, y] = self.at(joint.first);
+        let Some(joint) = drive.joint.and_then(|index| self.drawing.scene.joints.get(index)) else { return };
+        if joint.axis.is_none() {
+            self.motor(joint.first);
+        }
+    }
+
+    /// An arrow around a point.
+    fn motor(&mut self, on: On) {
+        let [x, y] = self.at(on);
         let radius = 2.2 * self.drawing.half + 6.0;
         let point = |degrees: f64| {
             let (sin, cos) = degrees.to_radians().sin_cos();

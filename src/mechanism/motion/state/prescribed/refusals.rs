@@ -119,7 +119,7 @@ impl Step<'_> {
             return Ok(());
         }
         let is_passed = |position: f64| position == from || (position - from) * (position - to) < 0.0;
-        let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_locked(*place));
+        let mut places = ends.travel.places().map(|(place, _)| place).filter(|place| ends.is_fast(*place));
         let Some(place) = places.find(|place| ends.position(*place).is_some_and(is_passed)) else { return Ok(()) };
         let stop = ends.travel.stop(place).map_or("a stop", |(stop, _)| &self.track.whole.loading().stops[stop].name);
         let why = format!("the motion leaves or passes {stop}, whose lock is engaged; disengage the lock first");
