@@ -3,6 +3,7 @@
 //! In: a definition and its reduced model. Out: warnings. It must not know states.
 mod belts;
 mod cams;
+mod locking;
 
 pub use belts::of_slack_belt;
 
@@ -32,6 +33,7 @@ pub fn warnings(mechanism: &Mechanism, reduced: &Reduced) -> Vec<Finding> {
     warn_of_idle_loads(mechanism, reduced, &mut all);
     cams::warn_of_cams(reduced.linkage(), &mut all);
     belts::warn_of_overlaps(reduced.linkage(), &mut all);
+    locking::warn_of_locking(mechanism, reduced, &mut all);
     warn_of_wheels(mechanism, reduced.linkage(), &reduced.curve().guess, &mut all);
     all
 }

@@ -246,6 +246,53 @@ fn a_small_backward_efficiency_and_a_seal_hold_a_load() {
     assert!(!held(0.02, 1.001 * most) && !held(0.8, 0.05 * most));
 }
 
+/// A load on the second shaft never drives the first one, at rest and in motion; the motor drives both.
+#[test]
+fn a_gear_that_locks_itself_holds_any_load() {
+    let gear = |motor: f64, load: f64, speed: f64| {
+        let mut text = shafts(motor, load);
+        text["couplings"]["mesh"]["backward_efficiency"] = json!(0);
+        text["start"]["speed"] = json!(speed);
+        text["solver"] = json!({ "tolerance": 1e-12 });
+        Run::new(&text).started()
+    };
+    for load in [5.0, -5.0, 1e-3, 1e5] {
+        let mut run = gear(0.0, load, 0.0);
+        assert!(run.is("friction.sticking"), "{load}");
+        let names = ["one.angle", "one.speed"];
+        let before = run.bits(names);
+        run.step(0.5);
+        assert_eq!(run.bits(names), before, "{load}");
+        run.near("mesh.transmitted_force", 0.0, 1e-6 * load.abs());
+        run.near("mesh.loss_torque", -load, 1e-8 * load.abs());
+    }
+    // With the load the motor accelerates its own shaft only, against the load both.
+    for (motor, load, speed) in [(0.3, -5.0, 0.0), (0.0, -5.0, 20.0), (-0.4, 5.0, 0.0), (3.0, 1.0, 0.0)] {
+        let mut run = gear(motor, load, speed);
+        let direction = if speed == 0.0 { f64::signum(motor) } else { f64::signum(speed) };
+        let a = if I * load * direction > 0.0 { motor / J1 } else { accelerates(motor, load, direction) };
+        run.near("one.acceleration", a, 1e-9 * (1.0 + a.abs()));
+        run.step(0.1);
+        run.near("one.speed", speed + 0.1 * a, 1e-8 * (1.0 + a.abs()));
+        let allowed = 1e-8 * run.get("energy.kinetic").max(1.0);
+        run.near("energy.drift", 0.0, allowed);
+    }
+    // A worm that is driven into rest stays there.
+    let mut run = gear(-0.2, -5.0, 8.0);
+    run.step(2.0);
+    let rest = run.get("one.speed");
+    assert!(rest.abs() < 1e-9 || rest < 0.0, "{rest}");
+    // Without an inertia at the worm it transmits nothing, which a warning states.
+    let warned = |inertia: f64| {
+        let mut text = shafts(0.0, 5.0);
+        text["couplings"]["mesh"]["backward_efficiency"] = json!(0);
+        text["bodies"]["one"] = json!({ "inertia": inertia });
+        let all = Run::new(&text).warnings();
+        all.iter().any(|text| text.contains("mesh.backward_efficiency") && text.contains("no moment of inertia"))
+    };
+    assert!(warned(0.0) && !warned(1e-4));
+}
+
 /// A drive with two efficiencies on a block of 3 kg.
 #[test]
 fn a_drive_has_an_efficiency_for_each_direction() {

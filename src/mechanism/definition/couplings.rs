@@ -110,8 +110,9 @@ keys! {
         /// the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
         /// Gears, rack, belt: efficiency of the coupling where power flows from the second body to the first body [1],
-        /// > 0 and <= 1. The key `backward_efficiency` needs the key `efficiency`.
-        backward_efficiency: Option<f64> => number(One, Range::Fraction)
+        /// 0 to 1. With the value 0 the coupling locks itself: the second body cannot drive the first body. The key
+        /// `backward_efficiency` needs the key `efficiency`.
+        backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency where power flows from the second body to the first body of");
     }
 }

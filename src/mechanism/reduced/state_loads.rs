@@ -288,6 +288,7 @@ impl StateLoads {
         parts.resize(2 * n * (2 + loads.len()), 0.0);
         if n > 0 {
             self.copy_reactions(source, c, columns.fill(&curve.closure, c, loads, 0), parts);
+            self.add_losses(indices, parts);
         }
         let of_load = |load: usize| 2 * n * (2 + indices[load])..2 * n * (3 + indices[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
@@ -333,6 +334,15 @@ impl StateLoads {
         }
         for (k, &law) in self.positioned.iter().enumerate() {
             values[self.driven(k)] = loading.loads[self.laws[law].drive].displacement(linkage, c)[0];
+        }
+    }
+
+    /// The force that causes the loss of a coupling is that on the second body, the transmitted force less the loss.
+    fn add_losses(&self, indices: &[usize], parts: &mut [f64]) {
+        let n = self.friction_joints.len();
+        let all = self.friction_joints.iter().zip(&self.groups.signs).enumerate();
+        for (i, (joint, sign)) in all.filter(|(_, (joint, _))| joint.kind == FrictionKind::Coupling) {
+            parts[2 * n * (2 + indices[joint.load]) + i] += sign / joint.radius;
         }
     }
 

@@ -1,4 +1,5 @@
-//! Losses of couplings: friction that their transmitted forces cause, with another coefficient where power flows back.
+//! Losses of couplings: friction that the forces on their second bodies cause, with another coefficient where power
+//! flows back.
 //!
 //! In: the friction loop with its arms, the state loads, the balance. Out: the solution with the flow of power that
 //! belongs to it. It must not know laws.
@@ -19,9 +20,9 @@ pub(super) fn solve<T: Number>(
     if state_loads.loses { solve_with_losses(friction, state_loads, balance) } else { friction.solve_at(t, balance) }
 }
 
-/// Solve the friction loop where couplings have losses. In each of them power flows forward or back by the sign of its
-/// transmitted force, held or that of the solution: it is taken as without losses first, and where the solution has
-/// the other sign the flow is turned round.
+/// Solve the friction loop where couplings have losses. In each of them power flows forward or back by the sign of the
+/// force on its second body, held or that of the solution: it is taken as without losses first, and where the solution
+/// has the other sign the flow is turned round.
 #[cold]
 #[inline(never)]
 fn solve_with_losses<T: Number>(

@@ -10,6 +10,10 @@ use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::decimal::Decimal;
 use std::fmt;
 
+/// Part of the force on the second body by which the loss of a coupling that locks itself exceeds this force, so that
+/// rounding does not set it in motion.
+const HOLD: f64 = 1e-12;
+
 /// Friction in the joints, and the losses of couplings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointFriction {
@@ -60,10 +64,10 @@ pub enum FrictionKind {
 ///
 /// Constant friction is that of a reaction that has this size in any state, with the coefficient 1.
 ///
-/// The loss of a coupling with the efficiency eta is friction that its transmitted force F_t causes: a load on its
-/// second body, from the carrier, of the size (1 - eta) |F_t| where power flows to the second body, and (1 / eta_b - 1)
-/// |F_t| where it flows back, against the motion, with the backward efficiency eta_b, which is eta unless stated. F_t
-/// is the force on the first body; the second gives or gets eta F_t, or F_t / eta_b.
+/// The loss of a coupling with the efficiency eta is friction that the force N on its second body causes: a load on
+/// this body, from the carrier, of the size (1 / eta - 1) |N| where power flows to the second body, and (1 - eta_b) |N|
+/// where it flows back, against the motion, with the backward efficiency eta_b, which is eta unless stated. The first
+/// body gives or gets N / eta, or eta_b N: nothing for eta_b = 0, a coupling that locks itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
     /// Index of the joint.
@@ -130,15 +134,11 @@ impl Loading {
                 }
             };
             let (joint, index) = (coupling.joint, self.loads.len());
-            let (lost, back) = match defined.backward_efficiency {
-                None => (1.0 - efficiency, 1.0 / efficiency),
-                // The ratio of the losses needs a loss, which may be rounding.
-                Some(backward) => {
-                    let lost = (1.0 - efficiency).max(f64::EPSILON);
-                    (lost, (1.0 / backward - 1.0) / lost)
-                }
-            };
-            let (kind, law) = (FrictionKind::Coupling, coulomb(lost));
+            let backward = defined.backward_efficiency.unwrap_or(efficiency);
+            // Their ratio needs losses in both directions, which may be rounding.
+            let lost = (1.0 / efficiency - 1.0).max(f64::EPSILON);
+            let lost_back = if backward == 0.0 { 1.0 + HOLD } else { (1.0 - backward).max(f64::EPSILON) };
+            let (kind, law, back) = (FrictionKind::Coupling, coulomb(lost), lost_back / lost);
             friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
             self.loads.push(load);
         }
