@@ -38,7 +38,8 @@ impl Model {
         let state_loads = state_loads_under(reduced, &self.inputs);
         let is_conservative = matches!(state_loads, Ok(None)) && reduced.components().winding.is_none();
         let starts_at_equilibrium = self.parameter_values.mechanism().start.equilibrium;
-        let is_held = self.inputs.locks.contains(&true) && state.contact.at_rest().is_some();
+        let ends = state.ends(reduced, &self.inputs.locks);
+        let is_held = state.contact.at_rest().is_some() && ends.at(state.sigma).any(|place| ends.is_locked(place));
         if is_driven
             || !is_conservative
             || starts_at_equilibrium

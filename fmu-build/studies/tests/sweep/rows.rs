@@ -72,8 +72,9 @@ fn rows_are_those_of_simulate_to_the_bit() {
     assert!(rows.column("met").iter().any(|time| !time.is_nan()));
 }
 
-/// The other stop is asked for, too, so that runs are made by steps: the same times, and the same texts of runs that do
-/// not get there, also of a grid and of inputs that size no load.
+/// Times alone are found without steps. So is the state at the stop, where an output is asked for, too. An instant in
+/// between makes steps necessary: the same times and outputs, and the same texts of runs that do not get there, also of
+/// a grid and of inputs that size no load.
 #[test]
 fn times_by_energy_are_those_of_the_steps() {
     let folder = Folder::new("energy");
@@ -90,7 +91,10 @@ fn times_by_energy_are_those_of_the_steps() {
         }),
     ];
     for factors in factors {
-        let [alone, both] = [json!({}), json!({ "down": { "event": "extended" } })].map(|mut responses| {
+        let last = json!({ "blow": { "final": "upstop.impact_impulse" }, "angle": { "final": "crank.angle" } });
+        let mut course = last.clone();
+        course["course"] = json!({ "course": "crank.angle", "times": [0.01] });
+        let [alone, state, both] = [json!({}), last, course].map(|mut responses| {
             responses["met"] = json!({ "event": "retracted" });
             folder.rows(json!({
                 "factors": factors, "responses": responses, "start_values": { "solver.tolerance": 1e-12 },
@@ -104,6 +108,12 @@ fn times_by_energy_are_those_of_the_steps() {
             let (met, by_steps) = (alone.number(row, "met"), both.number(row, "met"));
             assert_eq!((met.is_nan(), alone.text(row, "message")), (by_steps.is_nan(), both.text(row, "message")));
             assert!(met.is_nan() || (met - by_steps).abs() < 5e-12, "{row}: {met} {by_steps}");
+            assert_eq!(state.text(row, "message"), both.text(row, "message"));
+            for (name, allowed) in [("met", 5e-12), ("blow", 1e-7), ("angle", 1e-9)] {
+                let [state, both] = [&state, &both].map(|rows| rows.number(row, name));
+                let is_near = (state - both).abs() < allowed;
+                assert!(is_near || state.is_nan() && both.is_nan(), "{row}, {name}: {state} {both}");
+            }
             missed += usize::from(met.is_nan());
         }
         assert!(missed > 0 && missed < 300, "{missed}");
