@@ -112,7 +112,11 @@ impl Component {
             return self.step_from(Some(point), h);
         };
         model.go_to(point, waypoint)?;
-        if waypoint.time < h { self.step_from(Some(point + waypoint.time), h - waypoint.time) } else { Ok(Stepped::Whole) }
+        if waypoint.time < h {
+            self.step_from(Some(point + waypoint.time), h - waypoint.time)
+        } else {
+            Ok(Stepped::Whole)
+        }
     }
 
     /// Whether a step may come to an event, as where a stop is met or lets go, or a valve opens.

@@ -104,6 +104,9 @@ impl Ensemble<'_> {
 
     /// States on the way as functions of what is varied, where the energy integral gives them.
     fn fast_forward(&self) -> Option<FastForward> {
+        if self.stop_time == 0.0 {
+            return None;
+        }
         let mut model = self.model.clone();
         model.initialize().ok()?;
         model.fast_forward(self.varied)
@@ -155,12 +158,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn make(
-        &mut self,
-        row: &[f64],
-        state: Option<&Waypoint>,
-        values: &mut [f64],
-    ) -> Result<Option<String>, String> {
+    fn make(&mut self, row: &[f64], state: Option<&Waypoint>, values: &mut [f64]) -> Result<Option<String>, String> {
         let Self { ensemble, model, .. } = self;
         let refused = |refused: Refused| refused.0;
         let most = model.most_together();

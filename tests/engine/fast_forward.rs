@@ -84,8 +84,7 @@ fn outputs_are_those_of_the_steps() {
     });
     let bouncing = changed(GEAR, |gear| gear["stops"]["upstop"]["restitution"] = json!(0.4));
     let locked = changed(GEAR, |gear| gear["locks"]["uplock"]["engage"] = json!(true));
-    let rows: Vec<f64> =
-        (0..40).flat_map(|k| [-2e4 + 1.5e3 * f64::from(k), f64::from(k * 11 % 40) / 12.0]).collect();
+    let rows: Vec<f64> = (0..40).flat_map(|k| [-2e4 + 1.5e3 * f64::from(k), f64::from(k * 11 % 40) / 12.0]).collect();
     let outputs = ["crank.angle", "crank.speed", "joint1.force", "actuator.length", "energy.drift"];
     for (scene, definition) in [GEAR.to_owned(), without_stops(), spring, bouncing, locked].iter().enumerate() {
         let mut model = Simulation::open(definition).unwrap();

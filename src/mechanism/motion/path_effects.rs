@@ -45,8 +45,9 @@ impl PathEffects {
         let ways: Vec<f64> = points.chain([1.0]).map(|u| u * u).collect();
         let constant: Vec<usize> = (0..sizes.len()).filter(|k| sizes[*k] != 0.0 && !varied.contains(k)).collect();
         let acting = [&constant[..], varied].concat();
-        let at_start = influences(reduced, first, &acting);
-        let means = [at_start].into_iter().chain(means(reduced, [first, length], &acting, &borders, &ways));
+        let mut influences = Influences { reduced, components: &acting, panel: 0 };
+        let at_start = influences.at(first).collect();
+        let means = [at_start].into_iter().chain(means(&mut influences, [first, length], &borders, &ways));
         let effects = means.map(|means| {
             let (fixed, free) = means.split_at(constant.len());
             let fixed = fixed.iter().zip(&constant).map(|(mean, k)| sizes[*k] * mean).sum::<f64>();
@@ -56,11 +57,21 @@ impl PathEffects {
     }
 }
 
-/// Influences of these components at sigma.
-fn influences(reduced: &Reduced, sigma: f64, components: &[usize]) -> Vec<f64> {
-    let (table, (sigma, _)) = (reduced.influence(), reduced.unwound(sigma));
-    let at = table.position(sigma);
-    components.iter().map(|k| table.value(at, *k)).collect()
+/// Some components of the influences, read from panel to panel.
+struct Influences<'a> {
+    reduced: &'a Reduced,
+    components: &'a [usize],
+    panel: usize,
+}
+
+impl Influences<'_> {
+    /// Their values at sigma.
+    fn at(&mut self, sigma: f64) -> impl Iterator<Item = f64> {
+        let (table, (sigma, _)) = (self.reduced.influence(), self.reduced.unwound(sigma));
+        let at = table.position_near(sigma, self.panel);
+        self.panel = at.panel;
+        self.components.iter().map(move |k| table.value(at, *k))
+    }
 }
 
 /// Borders of panels between `first` and `first` + `length`, as parts of the way, ascending.
@@ -74,24 +85,18 @@ fn borders(reduced: &Reduced, first: f64, length: f64) -> Vec<f64> {
     borders
 }
 
-/// Means of the influences of these components from `first` over these parts of the way of `length`, ascending, by a
-/// rule of Gauss on each piece of a panel between two of them, which is exact.
-fn means(
-    reduced: &Reduced,
-    [first, length]: [f64; 2],
-    components: &[usize],
-    borders: &[f64],
-    ways: &[f64],
-) -> Vec<Vec<f64>> {
+/// Means of influences from `first` over these parts of the way of `length`, ascending, by a rule of Gauss on each
+/// piece of a panel between two of them, which is exact.
+fn means(influences: &mut Influences, [first, length]: [f64; 2], borders: &[f64], ways: &[f64]) -> Vec<Vec<f64>> {
     let rule = legendre::rule(NODES / 2);
     let mut borders = borders.iter().copied().peekable();
-    let (mut from, mut sums, mut all) = (0.0, vec![0.0; components.len()], Vec::new());
+    let (mut from, mut sums, mut all) = (0.0, vec![0.0; influences.components.len()], Vec::new());
     for way in ways {
         while from < *way {
             let to = borders.next_if(|border| border <= way).unwrap_or(*way);
             let half = 0.5 * (to - from);
             for [x, weight] in &rule {
-                let values = influences(reduced, first + length * (from + half * (1.0 + x)), components);
+                let values = influences.at(first + length * (from + half * (1.0 + x)));
                 sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += half * weight * value);
             }
             from = to;

@@ -52,7 +52,8 @@ impl TravelTime {
     ) -> Option<Self> {
         let rule = legendre::rule(NODES);
         let PathEffects { panels, effects } = PathEffects::new(reduced, path, (sizes, varied), &rule)?;
-        let of_panels = panels.iter().flat_map(|[from, to]| rule.iter().map(move |[_, weight]| 0.5 * (to - from) * weight));
+        let of_panels =
+            panels.iter().flat_map(|[from, to]| rule.iter().map(move |[_, weight]| 0.5 * (to - from) * weight));
         let weights: Vec<f64> = [0.0].into_iter().chain(of_panels).chain([0.0]).collect();
         let (mut functions, mut lowest) = (Vec::new(), vec![0, weights.len() - 1]);
         for sample in samples.chunks_exact(varied.len()) {

@@ -116,12 +116,7 @@ pub fn make(
 }
 
 /// Make one run, whatever comes: whether it failed, and a remark or why.
-pub fn run_one(
-    runner: &mut Runner,
-    point: &[f64],
-    state: Option<Waypoint>,
-    values: &mut [f64],
-) -> (bool, String) {
+pub fn run_one(runner: &mut Runner, point: &[f64], state: Option<Waypoint>, values: &mut [f64]) -> (bool, String) {
     match catch_unwind(AssertUnwindSafe(|| runner.run(point, state, values))) {
         Ok(Ok(remark)) => (false, remark),
         Ok(Err(error)) => (true, format!("{error:#}")),

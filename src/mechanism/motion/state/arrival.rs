@@ -72,7 +72,11 @@ impl State {
     ///
     /// # Errors
     /// As [`Self::arrive`]; the contact is that of a mechanism that is free.
-    pub fn go_to(&mut self, reduced: &Reduced, &Waypoint { sigma, sigma_dot, .. }: &Waypoint) -> Result<(), ModelError> {
+    pub fn go_to(
+        &mut self,
+        reduced: &Reduced,
+        &Waypoint { sigma, sigma_dot, .. }: &Waypoint,
+    ) -> Result<(), ModelError> {
         self.contact.released();
         self.arrive_at(reduced, [sigma, sigma_dot], 0.0, 0.0)
     }
