@@ -23,7 +23,7 @@ pub enum ByEnergy {
     /// The time of the stop, up to a latest one [s], where nothing else is a response.
     Times(TravelTime, f64),
     /// The state at the end of the one step of a run [s], or at a stop.
-    States(FastForward, f64),
+    States(Box<FastForward>, f64),
 }
 
 impl ByEnergy {
@@ -48,7 +48,7 @@ impl ByEnergy {
         let Some(stop) = stop else {
             // Between communication instants a few steps would do.
             let forward = model.fast_forward(&inputs).filter(|_| scenario.steps.len() == 1);
-            return Ok(forward.map(|forward| Self::States(forward, scenario.stop())));
+            return Ok(forward.map(|forward| Self::States(Box::new(forward), scenario.stop())));
         };
         let (mut samples, mut point, mut design, runs) = (Vec::new(), Vec::new(), design.clone(), design.runs());
         for sample in 0..SAMPLES.min(runs) {
