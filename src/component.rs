@@ -36,7 +36,7 @@ use crate::hydraulics::{self, network};
 use crate::inspection::{Finding, Inspection};
 use crate::integrator::Method;
 use crate::mechanism;
-pub use crate::mechanism::Pauses;
+pub use crate::mechanism::{FastForward, Pauses, Waypoint};
 use crate::variables::{Interface, Reference, Terminal, Vector};
 pub use refusal::{NoValue, Refused};
 pub use snapshot::Snapshot;
@@ -241,6 +241,15 @@ impl Component {
     pub fn travel_time(&self, flag: Reference, inputs: &[Reference], samples: &[f64]) -> Option<mechanism::TravelTime> {
         match self {
             Self::Mechanism(model) => model.travel_time(flag, inputs, samples),
+            Self::Hydraulic(_) => None,
+        }
+    }
+
+    /// States on the way from the start as functions of these inputs, where the energy integral gives them: see
+    /// [`mechanism::Model::fast_forward`]. None for a model that is no mechanism.
+    pub fn fast_forward(&self, inputs: &[Reference]) -> Option<FastForward> {
+        match self {
+            Self::Mechanism(model) => model.fast_forward(inputs),
             Self::Hydraulic(_) => None,
         }
     }

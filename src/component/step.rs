@@ -4,7 +4,7 @@
 //! not know: how a model makes a step.
 use super::{Component, Refused};
 use crate::hydraulics::HydraulicsError;
-use crate::mechanism::{Line, ModelError, Pauses, Reached};
+use crate::mechanism::{Line, ModelError, Pauses, Reached, Waypoint};
 use crate::numerics::decimal::Decimal;
 
 /// Result of a step.
@@ -98,6 +98,24 @@ impl Component {
         match self {
             Self::Mechanism(model) => model.step_from(point, h).map_or_else(stepped, |()| Ok(Stepped::Whole)),
             Self::Hydraulic(model) => model.step(h).map_or_else(stepped_hydraulic, |()| Ok(Stepped::Whole)),
+        }
+    }
+
+    /// [`Self::step_from`] the start, by way of a state that [`Self::fast_forward`] has found for the present inputs and
+    /// for a time up to `h` [s], if it has found one.
+    ///
+    /// # Errors
+    /// As [`Self::step_from`]; the state overflows.
+    #[inline]
+    pub fn step_by(&mut self, waypoint: Option<&Waypoint>, point: f64, h: f64) -> Result<Stepped, Refused> {
+        let (Self::Mechanism(model), Some(waypoint)) = (&mut *self, waypoint) else {
+            return self.step_from(Some(point), h);
+        };
+        model.go_to(point, waypoint)?;
+        if waypoint.time < h {
+            self.step_from(Some(point + waypoint.time), h - waypoint.time)
+        } else {
+            Ok(Stepped::Whole)
         }
     }
 

@@ -26,6 +26,7 @@ pub use definition::MOST_STATES;
 pub use error::ModelError;
 pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
 pub use motion::allow_hydraulics;
+pub use motion::fast_forward::{FastForward, Waypoint};
 pub use motion::state::Reached;
 pub use motion::travel_time::TravelTime;
 pub use motion::witness::Pauses;

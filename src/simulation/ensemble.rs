@@ -1,10 +1,11 @@
 //! Runs of one model from many start values, on several threads.
 //!
-//! In: a model, rows of start values, a stop time. Out: the outputs of each run at its stop time. Runs share no mutable
-//! data, so the values of a run depend neither on the other runs nor on the number of threads.
+//! In: a model, rows of start values, a stop time. Out: the outputs of each run at its stop time. Runs share no
+//! mutable data, so the values of a run depend neither on the other runs nor on the number of threads. Where the
+//! energy integral gives the motion, a run needs no steps up to its stop time or up to a stop.
 
 use super::{Simulation, SimulationError};
-use crate::component::{Component, Refused, Stepped};
+use crate::component::{Component, FastForward, Refused, Stepped, Waypoint};
 use crate::variables::{Kind, Reference, Value};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,8 +57,9 @@ impl Ensemble<'_> {
         let mut values = vec![f64::NAN; rows.len() / width * read];
         let work = rows.chunks(CHUNK * width).zip(values.chunks_mut((CHUNK * read).max(1))).enumerate();
         let (work, is_stopped, (sender, done)) = (Mutex::new(work), AtomicBool::new(false), channel());
+        let forward = self.fast_forward();
         let mut remarks = thread::scope(|scope| {
-            let (work, is_stopped) = (&work, &is_stopped);
+            let (work, is_stopped, forward) = (&work, &is_stopped, forward.as_ref());
             let threads: Vec<_> = (0..threads.max(1))
                 .map(|_| {
                     let sender = sender.clone();
@@ -66,8 +68,12 @@ impl Ensemble<'_> {
                         while !is_stopped.load(Ordering::Relaxed) {
                             let next = work.lock().ok().and_then(|mut work| work.next());
                             let Some((chunk, (rows, values))) = next else { break };
-                            for (k, row) in rows.chunks_exact(width).enumerate() {
-                                let remark = runner.run(row, &mut values[k * read..][..read]);
+                            let mut states = [None; CHUNK];
+                            if let Some(forward) = forward {
+                                forward.states(rows, self.stop_time, &mut states[..rows.len() / width]);
+                            }
+                            for ((k, row), state) in rows.chunks_exact(width).enumerate().zip(&states) {
+                                let remark = runner.run(row, state.as_ref(), &mut values[k * read..][..read]);
                                 remarks.extend(remark.map(|remark| (chunk * CHUNK + k, remark)));
                             }
                             // The receiver exists as long as this scope.
@@ -94,6 +100,16 @@ impl Ensemble<'_> {
         });
         remarks.sort_unstable();
         Ok(Runs { values, remarks })
+    }
+
+    /// States on the way as functions of what is varied, where the energy integral gives them.
+    fn fast_forward(&self) -> Option<FastForward> {
+        if self.stop_time == 0.0 {
+            return None;
+        }
+        let mut model = self.model.clone();
+        model.initialize().ok()?;
+        model.fast_forward(self.varied)
     }
 }
 
@@ -126,9 +142,9 @@ impl<'a> Runner<'a> {
         Self { ensemble, model, references: reals.iter().map(|(_, own)| *own).collect(), reals, others }
     }
 
-    /// Makes a run. Returns the reason if a value is NaN.
-    fn run(&mut self, row: &[f64], values: &mut [f64]) -> Option<String> {
-        let remark = self.make(row, values);
+    /// Makes a run, from a known state on the way if there is one. Returns the reason if a value is NaN.
+    fn run(&mut self, row: &[f64], state: Option<&Waypoint>, values: &mut [f64]) -> Option<String> {
+        let remark = self.make(row, state, values);
         // The next run must start from a known state.
         if remark.is_err() || matches!(self.model, Component::Hydraulic(_)) {
             self.model = self.ensemble.model.clone();
@@ -142,7 +158,7 @@ impl<'a> Runner<'a> {
         }
     }
 
-    fn make(&mut self, row: &[f64], values: &mut [f64]) -> Result<Option<String>, String> {
+    fn make(&mut self, row: &[f64], state: Option<&Waypoint>, values: &mut [f64]) -> Result<Option<String>, String> {
         let Self { ensemble, model, .. } = self;
         let refused = |refused: Refused| refused.0;
         let most = model.most_together();
@@ -151,7 +167,7 @@ impl<'a> Runner<'a> {
         }
         model.initialize().map_err(refused)?;
         if ensemble.stop_time > 0.0 {
-            match model.step_from(Some(0.0), ensemble.stop_time).map_err(refused)? {
+            match model.step_by(state, 0.0, ensemble.stop_time).map_err(refused)? {
                 Stepped::Whole => {}
                 Stepped::Part(part) => return Err(format!("the run ends at {:?} s: {}", part.time, part.why)),
                 Stepped::Failed(refused) => return Err(refused.0),
@@ -180,9 +196,11 @@ impl<'a> Runner<'a> {
 }
 
 impl Simulation {
-    /// Outputs of many runs at `stop_time` [s], computed on several threads. `rows` contains the values of the named
-    /// inputs and parameters, run by run. All other values are the present values of this simulation, which does not
-    /// change. The values of a run equal those of a separate simulation after one step from 0 s to `stop_time`.
+    /// Outputs at `stop_time` [s] of many runs, on several threads. `rows` has the values of the named inputs and
+    /// parameters, run by run. All other values are the present values of this simulation, which does not change. The
+    /// values of a run are those that a simulation of its own has after one step from 0 s to `stop_time`: the same bits,
+    /// but where the energy integral gives the motion ([`Model::fast_forward`]). There both agree within
+    /// `solver.tolerance`. The bits of a run never depend on the other runs, their order or the number of threads.
     ///
     /// # Errors
     /// No variable has one of the names, or an input is an output or not a Real. `stop_time` is not finite or < 0, or

@@ -27,6 +27,7 @@ mod ends_meet;
 mod ensemble;
 mod exact;
 mod expressions;
+mod fast_forward;
 mod frames;
 mod friction;
 mod friction_balance;

@@ -92,8 +92,10 @@ def cost(way: Way) -> tuple[float, float]:
 
 TIME = {"met": {"event": "retracted"}}
 """Outputs of a run that the energy integral alone gives."""
-BY_STEPS = TIME | {"other": {"event": "extended"}}
-"""The same outputs and an event that the energy integral does not give, so that runs advance by steps."""
+AT_STOP = TIME | {"impulse": {"final": "upstop.impact_impulse"}}
+"""The same outputs, and an output just after the impact."""
+RESTITUTION = {"upstop.restitution": {"values": [0]}}
+"""A factor with one value that is no load, so that runs advance by steps."""
 FORCE_AND_LOAD = {"actuator.force": {"uniform": FORCES}, "load_factor": {"uniform": LOADS}}
 """Factors of the runs."""
 
@@ -106,11 +108,11 @@ class Native:
         arguments: argparse.Namespace,
         *options: str,
         factors: dict | None = None,
-        responses: dict = BY_STEPS,
+        responses: dict = TIME,
     ) -> None:
         self.program, self.work, self.options = arguments.program, arguments.work, options
         self.mechanism = arguments.fmu if "--workers" in options else arguments.mechanism
-        self.factors, self.responses = factors or FORCE_AND_LOAD, responses
+        self.factors, self.responses = factors or FORCE_AND_LOAD | RESTITUTION, responses
         self.memory = 0
 
     def __call__(self, count: int) -> None:
@@ -250,8 +252,10 @@ def ways(arguments: argparse.Namespace) -> Iterator[Way]:
     def of(count: int) -> int:
         return max(int(count * scale), 12)
 
-    by_energy = Native(arguments, "--threads", "1", responses=TIME)
+    by_energy = Native(arguments, "--threads", "1", factors=FORCE_AND_LOAD)
     yield Way("`cargo fmu sweep`, one thread, without steps", by_energy, of(1000), of(1_000_000), 3)
+    at_stop = Native(arguments, "--threads", "1", factors=FORCE_AND_LOAD, responses=AT_STOP)
+    yield Way("`cargo fmu sweep`, one thread, without steps, with the impulse", at_stop, of(1000), of(1_000_000), 3)
     by_steps = Native(arguments, "--threads", "1")
     yield Way("`cargo fmu sweep`, one thread, by steps", by_steps, of(1000), of(1_000_000), 3)
     cluster = Native(arguments, "--workers", "2")
@@ -337,7 +341,8 @@ def page(rows: list[tuple[Way, float, float]], further: list[tuple[str, str, str
 Machine: {processor()}, {os.cpu_count()} cores, {platform.system()}. {versions}, Python {platform.python_version()}.
 
 {reduced}A run: the time at which the landing gear meets its up-stop, for a force of the actuator and a load
-factor, nothing else. Runs by steps ask for the other stop, too, for which the energy integral does not serve.
+factor, nothing else. Runs by steps also have a factor of one value that sizes no load, for which the energy
+integral does not serve.
 CPU time of all processes, of the number of runs in the table less that of few, by their difference: start,
 packing and set-up do not count. Ways that take long are measured on fewer runs, and the last column is computed
 from the time of one.

@@ -11,6 +11,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
+use crate::mechanism::motion::fast_forward::Waypoint;
 use crate::mechanism::motion::state::{Reached, Start, State};
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PARTS, PresentLoads, of_state};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
@@ -156,6 +157,18 @@ impl ReducedMotion {
         if become_same(&mut self.loads.sizes[..sizes.len()], sizes) {
             self.invalidate_sizes();
         }
+    }
+
+    /// From the start to a state on the way, in the host's time from `point` [s] on.
+    ///
+    /// # Errors
+    /// As [`State::go_to`].
+    pub fn go_to(&mut self, point: f64, reduced: &Reduced, waypoint: &Waypoint) -> Result<(), ModelError> {
+        let revolutions = self.state.revolutions;
+        self.state.go_to(reduced, waypoint)?;
+        self.state.pass(Some(point), waypoint.time);
+        self.invalidate(revolutions);
+        Ok(())
     }
 
     /// Put the mechanism at another place on the curve.

@@ -1,13 +1,13 @@
-//! Studies with the time of a stop as the only result, by the energy integral.
+//! Studies whose runs are made by the energy integral: times of a stop, or states at the end or at a stop.
 //!
-//! In: the common data of all runs, the design, a model. Out: the times of many runs. NaN stands for a run that must be
-//! made step by step. The module must not know mechanics.
+//! In: the common data of all runs, the design, a model. Out: times and states of many runs together. A run without a
+//! time or a state must be made step by step. The module must not know mechanics.
 
 use super::design::Design;
 use super::responses::Measure;
 use super::run::{Runner, Task};
 use anyhow::Result;
-use linkage_fmu::component::Component;
+use linkage_fmu::component::{Component, FastForward, Waypoint};
 use linkage_fmu::mechanism::TravelTime;
 use linkage_fmu::variables::Kind;
 
@@ -19,30 +19,38 @@ const GOLDEN: f64 = 0.618_033_988_749_894_8;
 /// stop.
 const BEFORE_STOP: f64 = 1.0 - 1e-9;
 
-/// The time of the stop as a function of the factors.
-pub struct ByEnergy {
-    time: TravelTime,
-    /// Latest time [s].
-    latest: f64,
+/// What the factors decide.
+pub enum ByEnergy {
+    /// The time of the stop, up to a latest one [s], where nothing else is a response.
+    Times(TravelTime, f64),
+    /// The state at the end of the one step of a run [s], or at a stop.
+    States(Box<FastForward>, f64),
 }
 
 impl ByEnergy {
-    /// The function, if a run is only the motion to the stop that ends it, and its factors are constant loads. None for
-    /// any other study.
+    /// The function, where the factors are constant loads and nothing changes with time. None for any other study.
     ///
     /// # Errors
     /// The model rejects common values of all runs.
     pub fn new(task: &Task, design: &Design, model: Component) -> Result<Option<Self>> {
         let Task { factors, scenario, responses, .. } = task;
-        let Some(stop) = scenario.stop_at else { return Ok(None) };
-        let is_time = |measure: &Measure| matches!(measure, Measure::Event(event) if responses.events[*event] == stop);
-        let is_served = responses.list.iter().all(|response| is_time(&response.measure))
-            && scenario.steps.iter().all(|step| step.settings.is_empty())
+        let is_time = |measure: &Measure| match measure {
+            Measure::Event(event) => scenario.stop_at == Some(responses.events[*event]),
+            _ => false,
+        };
+        let is_served = scenario.steps.iter().all(|step| step.settings.is_empty())
             && factors.iter().all(|factor| factor.kind == Kind::Real);
         if !is_served {
             return Ok(None);
         }
+        let inputs: Vec<_> = factors.iter().map(|factor| factor.reference).collect();
         let Some(model) = Runner::new(task, model)?.started() else { return Ok(None) };
+        let stop = scenario.stop_at.filter(|_| responses.list.iter().all(|response| is_time(&response.measure)));
+        let Some(stop) = stop else {
+            // Between communication instants a few steps would do.
+            let forward = model.fast_forward(&inputs).filter(|_| scenario.steps.len() == 1);
+            return Ok(forward.map(|forward| Self::States(Box::new(forward), scenario.stop())));
+        };
         let (mut samples, mut point, mut design, runs) = (Vec::new(), Vec::new(), design.clone(), design.runs());
         for sample in 0..SAMPLES.min(runs) {
             // Distributed over all runs, without the period of a grid.
@@ -50,14 +58,18 @@ impl ByEnergy {
             design.point(if runs <= SAMPLES { sample } else { spread() }, &mut point);
             samples.extend_from_slice(&point);
         }
-        let inputs: Vec<_> = factors.iter().map(|factor| factor.reference).collect();
         let time = model.travel_time(stop.flag, &inputs, &samples);
-        Ok(time.map(|time| Self { time, latest: BEFORE_STOP * scenario.stop() }))
+        Ok(time.map(|time| Self::Times(time, BEFORE_STOP * scenario.stop())))
     }
 
-    /// Times of runs with these values of the factors, one run after the other [s].
-    pub fn times(&self, points: &[f64], times: &mut [f64]) {
-        self.time.times(points, times);
-        times.iter_mut().filter(|time| **time > self.latest).for_each(|time| *time = f64::NAN);
+    /// Times [s], NaN for none, or states of runs with these values of the factors, one run after the other.
+    pub fn find(&self, points: &[f64], times: &mut [f64], states: &mut [Option<Waypoint>]) {
+        match self {
+            Self::Times(of, latest) => {
+                of.times(points, times);
+                times.iter_mut().filter(|time| **time > *latest).for_each(|time| *time = f64::NAN);
+            }
+            Self::States(of, end) => of.states(points, *end, states),
+        }
     }
 }

@@ -7,6 +7,7 @@ use super::by_energy::ByEnergy;
 use super::design::Design;
 use super::run::Runner;
 use anyhow::{Context, Result, bail};
+use linkage_fmu::component::Waypoint;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -77,7 +78,8 @@ impl Writer {
     }
 }
 
-/// Make the runs of a chunk. None if the user stops the study. Times from `by_energy` need no run.
+/// Make the runs of a chunk. None if the user stops the study. Times from `by_energy` need no run, and states from
+/// `by_energy` need no steps.
 pub fn make(
     cut: &Cut,
     chunk: u64,
@@ -88,21 +90,22 @@ pub fn make(
 ) -> Option<Vec<u8>> {
     let runs = cut.runs_of(chunk);
     let (mut writer, mut point, mut values) = (Writer::default(), Vec::new(), vec![0.0; columns]);
-    let (mut points, mut times) = (Vec::new(), vec![f64::NAN; (runs.end - runs.start) as usize]);
+    let count = (runs.end - runs.start) as usize;
+    let (mut points, mut times, mut states) = (Vec::new(), vec![f64::NAN; count], vec![None; count]);
     for run in runs {
         design.point(run, &mut point);
         points.extend_from_slice(&point);
     }
     if let Some(by_energy) = by_energy {
-        by_energy.times(&points, &mut times);
+        by_energy.find(&points, &mut times, &mut states);
     }
-    for (index, time) in times.iter().enumerate() {
+    for (index, (time, state)) in times.iter().zip(states).enumerate() {
         if stop_wish.load(Ordering::Relaxed) {
             return None;
         }
         let point = &points[index * point.len()..][..point.len()];
         let (is_failure, text) = if time.is_nan() {
-            run_one(runner, point, &mut values)
+            run_one(runner, point, state, &mut values)
         } else {
             values.fill(*time);
             (false, String::new())
@@ -113,8 +116,8 @@ pub fn make(
 }
 
 /// Make one run. Returns whether it failed, and a remark or the reason. A panic counts as a failure.
-pub fn run_one(runner: &mut Runner, point: &[f64], values: &mut [f64]) -> (bool, String) {
-    match catch_unwind(AssertUnwindSafe(|| runner.run(point, values))) {
+pub fn run_one(runner: &mut Runner, point: &[f64], state: Option<Waypoint>, values: &mut [f64]) -> (bool, String) {
+    match catch_unwind(AssertUnwindSafe(|| runner.run(point, state, values))) {
         Ok(Ok(remark)) => (false, remark),
         Ok(Err(error)) => (true, format!("{error:#}")),
         Err(_) => {

@@ -44,7 +44,7 @@ pub fn warning(
             began = Instant::now();
         }
         design.point(run, &mut point);
-        if runner.run(&point, &mut values).is_err() {
+        if runner.run(&point, None, &mut values).is_err() {
             runner.renew();
         }
     }

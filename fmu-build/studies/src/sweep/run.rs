@@ -8,7 +8,7 @@ use super::factor::Factor;
 use super::responses::{Measure, Progress, Responses};
 use super::scenario::{Event, Scenario, Set, Step};
 use anyhow::{Context, Result, bail};
-use linkage_fmu::component::{Component, Snapshot, Stepped};
+use linkage_fmu::component::{Component, Snapshot, Stepped, Waypoint};
 use linkage_fmu::numerics::decimal::Decimal;
 
 /// Relative distance after an event at which its state is searched first. A step that ends nearer would often end
@@ -39,6 +39,8 @@ pub struct Runner<'a> {
     model: Component,
     /// State at the start of the present step, if the step may have to be repeated.
     before: Option<Snapshot>,
+    /// A state on the way of the present run, which the energy integral has given.
+    waypoint: Option<Waypoint>,
     progress: Progress,
     scratch: Vec<f64>,
 }
@@ -50,7 +52,8 @@ impl<'a> Runner<'a> {
     /// The model rejects one of the values.
     pub fn new(task: &'a Task, mut model: Component) -> Result<Self> {
         set_start(&mut model, &task.scenario)?;
-        Ok(Self { task, fresh: model.clone(), model, before: None, progress: Progress::default(), scratch: Vec::new() })
+        let (fresh, progress) = (model.clone(), Progress::default());
+        Ok(Self { task, fresh, model, before: None, waypoint: None, progress, scratch: Vec::new() })
     }
 
     /// The model at the start with the common values of all runs, if it has a start.
@@ -63,11 +66,13 @@ impl<'a> Runner<'a> {
         (self.model, self.before) = (self.fresh.clone(), None);
     }
 
-    /// Make the run with these values of the factors. Returns the responses, and a remark or an empty text.
+    /// Make the run with these values of the factors, from a known state on the way if there is one. Returns the
+    /// responses, and a remark or an empty text.
     ///
     /// # Errors
     /// The reason of a failure. The responses are then NaN.
-    pub fn run(&mut self, point: &[f64], values: &mut [f64]) -> Result<String> {
+    pub fn run(&mut self, point: &[f64], waypoint: Option<Waypoint>, values: &mut [f64]) -> Result<String> {
+        self.waypoint = waypoint;
         self.progress.begin(&self.task.responses, values);
         let done = self.make(point, values);
         if done.is_err() {
@@ -145,7 +150,9 @@ impl<'a> Runner<'a> {
 
     /// Make a step of this length from the start of `step`.
     fn step(&mut self, step: &Step, h: f64) -> Result<()> {
-        match self.model.step_from(Some(step.start), h).with_context(|| at("step", step.start))? {
+        let is_on_way = |state: &Waypoint| step.start == 0.0 && state.is_within(h);
+        let waypoint = self.waypoint.filter(is_on_way);
+        match self.model.step_by(waypoint.as_ref(), step.start, h).with_context(|| at("step", step.start))? {
             Stepped::Whole => Ok(()),
             Stepped::Part(part) => bail!("{}: {}", at("step", step.start), part.why),
             Stepped::Failed(why) => bail!("{}: {why}", at("step", step.start)),

@@ -75,8 +75,9 @@ fn rows_do_not_depend_on_the_threads() {
 #[test]
 fn a_study_that_was_ended_is_resumed() {
     let folder = Folder::new("resume");
-    // The second stop requires runs by steps, which need more time than the energy integral.
-    let responses = json!({ "met": { "event": "retracted" }, "down": { "event": "extended" } });
+    // An instant in between makes steps necessary, which last longer than the energy integral.
+    let course = json!({ "course": "crank.angle", "times": [0.01] });
+    let responses = json!({ "met": { "event": "retracted" }, "course": course });
     let study = of(&folder, "study.json", 60_000, responses);
     let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());

@@ -260,9 +260,9 @@ class Mechanism:
 
         Returns:
             A structured numpy array with one row for each run. The fields are the start values that are arrays, and the
-            outputs. Each run is one step of the simulation, so it agrees with `simulate` within the tolerance. If a run
-            fails, its outputs are NaN. If an output has no value, this output alone is NaN. A warning of the class
-            `LinkageWarning` states the number of these runs, and the reason for the first of them.
+            outputs. The values of a run agree with `simulate` within the tolerance, and do not depend on the other
+            runs. If a run fails, its outputs are NaN. If an output has no value, this output alone is NaN. A warning of
+            the class `LinkageWarning` states the number of these runs, and the reason for the first of them.
 
         Raises:
             InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2

@@ -7,6 +7,7 @@ use crate::mechanism::definition::Solver;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::Contact;
+use crate::mechanism::motion::fast_forward::Waypoint;
 use crate::mechanism::motion::saved::MOST_REVOLUTIONS;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{End, Reduced, ReductionError};
@@ -65,6 +66,19 @@ impl State {
         [self.sigma, self.sigma_dot] = y;
         self.reference -= lost;
         Ok(())
+    }
+
+    /// From the start to a state on the way, in which nothing holds the mechanism.
+    ///
+    /// # Errors
+    /// As [`Self::arrive`]; the contact is that of a mechanism that is free.
+    pub fn go_to(
+        &mut self,
+        reduced: &Reduced,
+        &Waypoint { sigma, sigma_dot, .. }: &Waypoint,
+    ) -> Result<(), ModelError> {
+        self.contact.released();
+        self.arrive_at(reduced, [sigma, sigma_dot], 0.0, 0.0)
     }
 
     /// Refuse a state beyond an end of the curve, or on a stretch of it with state loads that are not smooth.

@@ -47,7 +47,7 @@ impl<'a> Evaluator<'a> {
         let work = |runner: &mut Runner| {
             while let Some((index, point)) = next_of(points, &next, stop_wish) {
                 let mut responses = vec![0.0; columns];
-                let (is_failure, message) = run_one(runner, point, &mut responses);
+                let (is_failure, message) = run_one(runner, point, None, &mut responses);
                 let made = Evaluation { point: point.clone(), responses, is_failure, message };
                 if let Ok(mut done) = done.lock() {
                     done[index] = Some(made);
