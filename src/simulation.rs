@@ -127,6 +127,14 @@ impl Simulation {
     /// # Errors
     /// The fault of the definition, or the reason why no model exists for it.
     pub fn open(definition: &str) -> Result<Self, SimulationError> {
+        Ok(Self::from_model(Model::from_json(definition)?))
+    }
+
+    /// [`Self::open`], with the curve and the tables that other models of this text in this process have.
+    ///
+    /// # Errors
+    /// As [`Self::open`].
+    pub fn sharing(definition: &str) -> Result<Self, SimulationError> {
         allow_hydraulics();
         Ok(Self::from_model(Model::shared(definition, None)?))
     }

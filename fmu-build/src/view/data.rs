@@ -82,7 +82,8 @@ impl Data {
     /// # Errors
     /// A start value is invalid, or the stop time is no time.
     pub fn collect(checked: &Checked, wanted: &Wanted) -> Result<Self> {
-        let mut opened = Simulation::open(&checked.text).map_err(|error| error.to_string());
+        // A program that packs the mechanism has a model of it, whose tables are used here too.
+        let mut opened = Simulation::sharing(&checked.text).map_err(|error| error.to_string());
         if let Ok(simulation) = &mut opened {
             wanted.set(simulation)?;
         }

@@ -19,8 +19,7 @@ impl<N: Reading> View<'_, N> {
     pub fn component(&self, table: &Table, position: TablePosition, component: usize) -> N {
         let sigma = self.sigma();
         if sigma.is_constant() {
-            let [value] = table.values(position, component);
-            return N::constant(value);
+            return N::constant(table.value(position, component));
         }
         let (a, b) = table.borders(position.panel);
         polynomial_at(table.series(position.panel, component), sigma.chain(position.x, 2.0 / (b - a)))
@@ -30,12 +29,8 @@ impl<N: Reading> View<'_, N> {
     #[inline]
     pub fn before_derivative(&self, table: &Table, position: TablePosition, component: usize) -> N {
         let sigma = self.sigma();
-        if sigma.is_constant() {
-            let [value] = table.values(position, component);
-            return N::constant(value);
-        }
-        let [value, slope] = table.values(position, component);
-        sigma.chain(value, slope)
+        let slope = if sigma.is_constant() { 0.0 } else { table.value(position, component + 1) };
+        sigma.chain(table.value(position, component), slope)
     }
 
     /// A component of a table and the next one, which is its derivative along sigma.
@@ -88,12 +83,10 @@ impl<N: Reading> View<'_, N> {
         };
         let position = self.position(table);
         self.cache.panel = position.panel;
-        let values = if self.sigma().is_constant() {
-            table.values(position, first).map(N::constant)
-        } else {
-            let [slope, curvature] = self.with_derivative(table, position, first + 1);
-            [self.before_derivative(table, position, first), slope, curvature]
-        };
+        // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
+        let value = self.before_derivative(table, position, first);
+        let [slope, curvature] = self.with_derivative(table, position, first + 1);
+        let values = [value, slope, curvature];
         self.cache.functions[function] = (self.cache.version, values);
         Ok(values)
     }
