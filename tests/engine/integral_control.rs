@@ -213,6 +213,27 @@ fn a_stop_holds_the_block_while_the_integral_part_goes_on() {
     run.near("motor.integral_force", 0.0, 1e-6);
 }
 
+/// A lock holds the block. The force comes to its limit there, which the integral part then approaches.
+#[test]
+fn a_limit_that_is_reached_at_rest_counts() {
+    let control =
+        json!({ "position_gain": 100, "speed_gain": 20, "integral_gain": 300, "command": 0.5, "max_force": 60 });
+    let text = block(2.0).with(json!({
+        "actuators": { "motor": { "joint": "slide", "control": control } },
+        "stops": { "wall": { "joint": "slide", "position": 0.2, "limit": "upper" } },
+        "locks": { "latch": { "stop": "wall", "at": "block.origin" } },
+        "solver": { "tolerance": 1e-12 },
+    }));
+    let mut run = Run::new(&text).with(&[("latch.engage", true)]).started();
+    run.step(0.2);
+    run.near("slide.position", 0.2, 1e-12);
+    assert!(run.get("slide.speed") == 0.0 && run.get("motor.acting_force") < 60.0);
+    run.step(6.0);
+    // dI/dt = 300 * 0.3 + 3 (60 - 30 - I) beyond the limit.
+    run.near("motor.integral_force", 60.0, 1e-5);
+    run.near("motor.acting_force", 60.0, 0.0);
+}
+
 #[test]
 fn a_controlled_rotor_has_its_eigenvalues_and_matrices() {
     let text = rotor(json!({ "command": 0.1 }));
