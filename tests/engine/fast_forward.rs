@@ -120,6 +120,57 @@ fn a_run_does_not_depend_on_the_others() {
     let gear = Simulation::open(GEAR).unwrap();
     let rows: Vec<f64> = (0..131).flat_map(|k| [1e4 + 250.0 * f64::from(k), 0.02 * f64::from(k * 7 % 131)]).collect();
     let outputs = ["crank.angle", "crank.speed"];
+    let all = many(&gear, &INPUTS, &rows, 0.1, &outputs);
+    let threads = gear.run_many(&INPUTS, &rows, 0.1, &outputs, 3).unwrap();
+    assert_eq!(bits(&all.values), bits(&threads.values));
+    let reversed: Vec<f64> = rows.chunks(2).rev().flatten().copied().collect();
+    let reversed = many(&gear, &INPUTS, &reversed, 0.1, &outputs);
+    for (k, (row, values)) in rows.chunks(2).zip(all.values.chunks(2)).enumerate() {
+        assert_eq!(bits(values), bits(&reversed.values[2 * (130 - k)..][..2]), "{k}");
+        assert_eq!(bits(values), bits(&many(&gear, &INPUTS, row, 0.1, &outputs).values), "{k}");
+    }
+}
+
+/// Near the stop rounding would decide, and loads without bounds have no motion: these runs are made by steps. A coarse
+/// tolerance of the integration changes nothing.
+#[test]
+fn runs_that_rounding_would_decide_are_made_by_steps() {
+    let mut gear = Simulation::open(GEAR).unwrap();
+    let met = 0.132_059_852_744_259_7;
+    for (until, is_found) in
+        [(met * (1.0 + 1e-10), false), (met * (1.0 + 1e-8), true), (met * (1.0 - 1e-8), true), (1e-60, false)]
+    {
+        assert_eq!(are_found(&gear, &INPUTS, &[30e3, 3.0], until), [is_found], "{until}");
+    }
+    let rows = [1e300, 3.0, f64::NAN, 1.0, 30e3, f64::INFINITY, 0.0, 0.0];
+    assert_eq!(are_found(&gear, &INPUTS, &rows, 0.2), [false; 4]);
+    gear.set("solver.tolerance", 1e-3).unwrap();
+    let coarse = many(&gear, &INPUTS, &[30e3, 3.0], 0.2, &["upstop.impact_time"]);
+    assert!((coarse.values[0] - met).abs() < 1e-15, "{coarse:?}");
+}
+
+/// Loads that the state decides, a start in motion, a lock that holds, inputs that size no load: no function.
+#[test]
+fn where_the_integral_does_not_hold_there_is_no_function() {
+    let gear = Simulation::open(GEAR).unwrap();
+    let is_there = |gear: &Simulation, input: &str| !are_found(gear, &[input], &[3e4], 0.1).is_empty();
+    assert!(is_there(&gear, "actuator.force") && !is_there(&gear, "airspeed") && !is_there(&gear, "crank.mass"));
+    let mut moving = gear.clone();
+    moving.set("crank.start_speed", -0.1).unwrap();
+    let mut windy = gear.clone();
+    windy.set("airspeed", 80.0).unwrap();
+    let mut rough = gear.clone();
+    rough.set("friction.enabled", true).unwrap();
+    let mut held = gear.clone();
+    held.set("downlock.engage", true).unwrap();
+    for (k, other) in [moving, windy, rough, held].iter().enumerate() {
+        assert!(!is_there(other, "actuator.force"), "{k}");
+    }
+}
+
+/// Runs of other mechanisms without losses agree with steps in all outputs.
+#[test]
+fn runs_of_other_mechanisms_agree_with_steps_in_all_outputs() {
     let all = [BUCKET, CRANE, FOUR_BAR, JIB, SLIDER_CRANK, TWO_DRIVES].into_iter().zip(0..);
     let mut served = 0;
     for (definition, scene) in all {

@@ -1,10 +1,9 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: the dynamics, the places of the stops, the contact there, a state. Out: the state at the exact end of the span,
-//! the contact there, the energy lost in impacts. Events are found on the interpolant of a step: impacts on stops,
-//! bumpers touched and left, reversals of drives with an efficiency and of friction that sticks, changes of friction's
-//! regime, pressures at which locks change. Impacts and locks are polished on the integration itself. A step may go on
-//! beyond the span (`step_ahead.rs`). It must not know what moves.
+//! In: the dynamics, places of stops, contact, state. Out: state at the end of the span, contact, energy lost in impacts.
+//! Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on the
+//! interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
+//! span (`step_ahead.rs`). Must not know: what moves.
 use crate::integrator::{IntegrationError, Integrator, Step};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
@@ -13,6 +12,7 @@ use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::motion::work::Work;
+use std::mem::take;
 
 /// Why an advance ended early.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,15 +25,15 @@ pub enum Stopped {
     EndsMeet(usize),
     /// A chamber, A or B, of oil without air has come to absolute zero.
     Vacuum(usize),
-    /// The integration stopped with a circuit, whose state is told in words.
+    /// The integration stopped with a circuit, whose state the text describes.
     Stuck(IntegrationError, String),
     /// The length of the actuator with a circuit is not smooth along the motion.
     Length,
-    /// A stop is met, as the contact tells, or lets go, or a lock is due: the advance pauses there, and can go on.
+    /// A stop is met or lets go, or a lock is due: the advance pauses there, and can continue.
     Event(Progress),
-    /// An internal step is done: the advance pauses there, and can go on.
+    /// An internal step is done: the advance pauses there, and can continue.
     Pause(Progress),
-    /// The work allowed was done; the state is that at the time reached, and the advance can go on from it.
+    /// The allowed work was done. The state is that at the time reached, and the advance can continue.
     Budget(Progress),
 }
 
@@ -76,8 +76,8 @@ pub struct Progress {
     grip: f64,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
-    /// Time at which the next step ends at the latest [s], where one before went too far beyond a knot; none otherwise.
-    limit: Option<f64>,
+    /// Latest end of the next step [s], where one before went too far beyond a knot. A time in the past has no effect.
+    limit: f64,
     /// Whether a step before was too coarse for its events, so that the next ones grow from one that was not.
     is_refining: bool,
     /// Attempts in a row that were too coarse.
@@ -168,7 +168,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let laws = (held, self.tolerance);
             let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
             if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
-                self.progress.limit = Some(limit);
+                self.progress.limit = limit;
                 self.progress.is_refining = true;
                 self.progress.refinements += 1;
                 self.progress.work.extra += 1;
@@ -178,7 +178,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
             self.progress.refinements = 0;
             if let Some(limit) = found.as_ref().and_then(|found| self.too_far(step, found)) {
-                self.progress.limit = Some(limit);
+                self.progress.limit = limit;
                 self.progress.work.extra += 1;
                 self.progress.held = held;
                 self.integrator.branch_off();
@@ -211,7 +211,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             if self.progress.is_refining {
                 // Until no event is near.
                 self.progress.is_refining = dense.is_some();
-                self.progress.limit = dense.is_some().then_some(self.progress.t + GROWTH * h);
+                self.progress.limit = if dense.is_some() { self.progress.t + GROWTH * h } else { 0.0 };
             }
             self.dynamics.set_state(z);
             match found {
@@ -266,7 +266,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     #[inline(always)]
     fn latest(&mut self, z: &[f64; N]) -> f64 {
         // A limit that passed while the mechanism rested no longer holds.
-        let limit = self.progress.limit.take().filter(|limit| *limit > self.progress.t).unwrap_or(f64::INFINITY);
+        let limit =
+            Some(take(&mut self.progress.limit)).filter(|limit| *limit > self.progress.t).unwrap_or(f64::INFINITY);
         if self.dynamics.has_knots() { limit.min(self.beyond_next_knot(z)) } else { limit }
     }
 
