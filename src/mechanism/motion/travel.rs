@@ -84,13 +84,13 @@ pub fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], Mod
         if stop.enabled && !stop.rigid {
             refused("the stop of this lock is a bumper: set rigid of the stop to true, or remove this key")?;
         }
-        for side in 0..2 {
+        for (side, grip) in grips.iter_mut().enumerate() {
             let place = Place::rigid(side);
             let Some(end) = travel.rigid[side].filter(|_| travel.holds(place, lock.stop)) else { continue };
             if loading.locks.iter().filter(|other| travel.holds(place, other.stop)).count() > 1 {
                 refused("another lock is at the same stop: combine the two locks, or remove this key")?;
             }
-            grips[side] = Some(force * reduced.lock_path(index, reduced.unwound(end.position).0).norm());
+            *grip = Some(force * reduced.lock_path(index, reduced.unwound(end.position).0).norm());
         }
     }
     Ok(grips)
