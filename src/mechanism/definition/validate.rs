@@ -218,7 +218,7 @@ impl Mechanism {
                 if a.force.is_some() {
                     refuse("the hydraulic circuit computes the force, which is an output: remove the key force");
                 }
-                if a.efficiency.is_some() {
+                if a.efficiency.or(a.backward_efficiency).is_some() {
                     refuse("the losses of a hydraulic drive are the friction of its seals: remove the key efficiency");
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {

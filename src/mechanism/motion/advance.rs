@@ -72,8 +72,6 @@ pub struct Progress {
     /// Change of a regime or a sign at the very start of a step. The law that follows is kept for the next step, to
     /// prevent chattering.
     held: Option<Event>,
-    /// Generalised force up to which a lock holds the mechanism at rest, while it does.
-    grip: f64,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
     /// Latest end of the next step [s], where one before went too far beyond a knot. A time in the past has no effect.

@@ -24,13 +24,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
             return Ok(Instant::Held);
         }
-        let grip = self.ends.grip(place);
+        let grip = self.grip();
         if self.is_held(place, sigma)? {
             let inward = -place.outward();
-            self.progress.grip = grip;
-            let sets_off = self.wait_until(z, span, [inward; 2]);
-            self.progress.grip = 0.0;
-            if !sets_off? {
+            if !self.wait_until(z, span, [inward; 2])? {
                 return Ok(Instant::Held);
             }
             if self.pauses() {
@@ -108,7 +105,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             let b = self.next_switch(a, span).min(a + longest);
             let mut first = None;
             for direction in directions {
-                let (dynamics, grip) = (&mut *self.dynamics, self.progress.grip);
+                let (grip, dynamics) = (self.grip(), &mut *self.dynamics);
                 let excess = |t: f64| {
                     dynamics.set_time(t);
                     Ok::<f64, Locked>(dynamics.acceleration_from_rest(sigma, *direction)? * direction - grip)
@@ -261,7 +258,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         for &direction in directions {
             most = most.max(self.dynamics.acceleration_from_rest(z[0], direction)? * direction);
         }
-        Ok(most - self.progress.grip)
+        Ok(most - self.grip())
     }
 
     /// The first time after `t`, at most `span`, at which an input passes 0 whose sign decides a law at rest.
@@ -278,6 +275,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             index += 1;
         }
         next
+    }
+
+    /// Generalised force up to which a lock with a release force holds the mechanism at rest; 0 where none does.
+    fn grip(&self) -> f64 {
+        self.contact.at_rest().map_or(0.0, |place| self.ends.grip(place))
     }
 
     /// Whether the loads press a mechanism at rest at a place against a rigid stop, or a lock there holds it.
