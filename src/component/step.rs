@@ -101,8 +101,8 @@ impl Component {
         }
     }
 
-    /// [`Self::step_from`] the start, by way of a state that [`Self::fast_forward`] has found for the present inputs and
-    /// for a time up to `h` [s], if it has found one.
+    /// Make the first step of a run. If [`Self::fast_forward`] has found a state for the present inputs and for a time
+    /// up to `h` [s], the step continues from this state.
     ///
     /// # Errors
     /// As [`Self::step_from`]; the state overflows.

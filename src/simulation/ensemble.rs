@@ -196,10 +196,10 @@ impl<'a> Runner<'a> {
 }
 
 impl Simulation {
-    /// Outputs at `stop_time` [s] of many runs, on several threads. `rows` has the values of the named inputs and
-    /// parameters, run by run. All other values are the present values of this simulation, which does not change. The
-    /// values of a run are those that a simulation of its own has after one step from 0 s to `stop_time`: the same bits,
-    /// but where the energy integral gives the motion ([`Model::fast_forward`]). There both agree within
+    /// Outputs of many runs at `stop_time` [s], computed on several threads. `rows` contains the values of the named
+    /// inputs and parameters, run by run. All other values are the present values of this simulation, which does not
+    /// change. The values of a run have the same bits as those of a separate simulation after one step from 0 s to
+    /// `stop_time`. If the energy integral gives the motion ([`Model::fast_forward`]), they agree within
     /// `solver.tolerance`. The bits of a run never depend on the other runs, their order or the number of threads.
     ///
     /// # Errors

@@ -21,8 +21,8 @@ use std::process::{Command, Stdio};
 const FOLDER: &str = "a b é 100% ü";
 /// Number of communication steps of a run.
 const STEPS: usize = 200;
-/// Relative tolerance of the integrations, which `host.c` states. At the default 1e-9 the rounding of one platform changes
-/// which steps the error control accepts, and a stiff model then differs by several times this tolerance.
+/// Relative tolerance of the integrations, as in `host.c`. At the default 1e-9 the rounding of a platform changes which
+/// steps the error control accepts, and a stiff model then differs by several times this tolerance.
 const TOLERANCE: f64 = 1e-11;
 /// Largest difference between platforms, relative to the largest value of an output. Reactions, accelerations and flows
 /// of stiff models amplify the difference of the state. A difference of 1000 times the tolerance would be a fault.

@@ -78,7 +78,7 @@ keys! {
         /// first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
-        /// Slot only: points [x, y] of a curved slot [m], in the order of the position of the joint, relative to the
+        /// Slot only: points [x, y] of a curved slot [m, m], in the order of the position of the joint, relative to the
         /// first point of the joint and in the axes of the first body. The slot is a smooth curve through the points.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
         /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the

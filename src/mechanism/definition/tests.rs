@@ -30,7 +30,7 @@ fn errors_name_the_key_the_value_and_what_is_allowed() {
         ("\"mass\": 13.689", "\"mass\": \"13 kg\"", vec!["bodies.crank.mass", "13 kg"]),
         ("crank.end", "crunk.end", vec!["joints.joint2.first", "crunk.end", "crank, leg"]),
         ("crank.end", "crank.tip", vec!["joints.joint2.first", "crank.tip", "origin, end, actuator"]),
-        ("revolute", "hinge", vec!["must be `revolute` or `prismatic`, not `hinge`"]),
+        ("revolute", "hinge", vec!["must be `revolute`, `prismatic` or `slot`, not `hinge`"]),
         ("\"leg.end\"", "\"wheel.origin\"", vec!["bodies.wheel.fixed_to", "circle"]),
         ("\"start\": { \"body\": \"crank\"", "\"start\": { \"body\": \"crunk\"", vec!["start.body", "crunk"]),
         ("\"tolerance\": 1e-9", "\"tolerance\": 1e-30", vec!["solver.tolerance", "1e-14"]),

@@ -1,6 +1,6 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: the dynamics, places of stops, contact, state. Out: state at the end of the span, contact, energy lost in impacts.
+//! In: dynamics, places of stops, contact, state. Out: state at the end of the span, contact, energy lost in impacts.
 //! Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on the
 //! interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
 //! span (`step_ahead.rs`). Must not know: what moves.
