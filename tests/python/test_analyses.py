@@ -61,9 +61,9 @@ def test_a_drawn_mechanism_is_short() -> None:
     parts = (
         build.body("crank", mass=1.2),
         build.body("rod", mass=0.9),
-        build.body("slider", mass=0.5),
+        build.body("slider", mass=np.float32(0.5)),
         build.pin("bearing", "ground", "crank", at=(0, 0)),
-        build.pin("pin", "crank", "rod", at=(80, 60)),
+        build.pin("pin", "crank", "rod", at=np.array([80, 60])),
         build.pin("wrist", "rod", "slider", at=(360, 0)),
         build.slide("guide", "ground", "slider", at=(360, 0)),
         build.torque("motor", on="crank", torque=2),

@@ -43,6 +43,9 @@ class Columns:
 
 def signals(given: Any) -> Signals:  # noqa: ANN401
     """Times and columns of inputs over time."""
+    if "time" in getattr(getattr(given, "index", None), "names", ()):
+        # A data frame as from Result.to_pandas.
+        given = given.reset_index()
     names = getattr(getattr(given, "dtype", None), "names", None)
     if names is None and (isinstance(given, dict) or hasattr(given, "columns")):
         names = list(given)

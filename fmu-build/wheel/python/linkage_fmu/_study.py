@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _engine
+from ._definition import as_json
 from ._errors import InputError, file, wrong
-from ._mechanism import Mechanism, as_json
+from ._mechanism import Mechanism
 
 if TYPE_CHECKING:
     import pandas
@@ -107,6 +108,11 @@ def _made(
         watch = bar if bar is not None else progress if callable(progress) else None
         try:
             log = task(str(path), str(results), threads, watch)
+        except InputError as error:
+            if path.parent != folder:
+                raise
+            # The user did not write this file.
+            raise type(error)(str(error).replace(str(path), "study")) from None
         finally:
             if bar is not None:
                 bar.close()
