@@ -92,7 +92,10 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
         (lambda g, s: s.set(["friction.enabled", "crank.mass"], ["maybe", 20]), "is not true or false"),
         (lambda g, s: lf.Mechanism({"name": {1, 2}}), "a value of the type set has no form in JSON"),
         (lambda g, s: lf.Mechanism({"bodies": {"crank": {"mass": np.nan}}}), "source: bodies.crank.mass = nan"),
-        (lambda g, s: lf.sweep({"factors": {"a": {"values": np.array([1, np.inf])}}}), "study: factors.a.values.1 = inf"),
+        (
+            lambda g, s: lf.sweep({"factors": {"a": {"values": np.array([1, np.inf])}}}),
+            "study: factors.a.values.1 = inf",
+        ),
         (lambda g, s: lf.sweep({"factors": {}}, g), "study: not a valid study: the key `responses` is missing"),
         (lambda g, s: build.mechanism("A", build.pin("a", "ground", "b", at=np.array(8))), "is not a point"),
         (lambda g, s: g.simulate(set_input_derivatives="no"), "set_input_derivatives = 'no': must be True or False"),
