@@ -159,8 +159,8 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
     Ok(Binary::new(version::platform()?, content, "this machine's library")?.of(library))
 }
 
-/// Arguments for `cargo rustc` with which Rust omits unused functions itself, since the linker cannot: Rust optimises the
-/// library as a whole (LTO). Rust does so for a library alone, not for one with an rlib.
+/// Arguments for `cargo rustc` with which Rust omits unused functions itself, because the linker cannot: Rust optimises
+/// the library as a whole (LTO). Rust can do so for a `cdylib` alone, not together with an rlib.
 const WITHOUT_UNUSED: [&str; 4] = ["--crate-type", "cdylib", "--config", "profile.release.lto=\"fat\""];
 /// Arguments for Cargo with which the standard library is compiled. It is optimised, unlike most other dependencies.
 const STANDARD_LIBRARY: [&str; 3] =

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError, wrong
+from ._errors import InputError, require, wrong
 
 if TYPE_CHECKING:
     import pandas
@@ -100,6 +100,7 @@ class Result(np.ndarray[Any, Any]):
     def to_pandas(self) -> pandas.DataFrame:
         """Return the result as a pandas data frame. The index is the time, or the number of the run in a result of
         `simulate_many`. The attribute `attrs["units"]` of the data frame contains the units of the columns."""
+        require("pandas")
         import pandas
 
         if "time" in self.names:
@@ -123,6 +124,7 @@ class Result(np.ndarray[Any, Any]):
         Raises:
             InputError: the result does not contain a variable with the given name.
         """
+        require("matplotlib")
         from matplotlib import pyplot
 
         for name in (x, *names):

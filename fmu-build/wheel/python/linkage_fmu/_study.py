@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _engine
 from ._definition import as_json
-from ._errors import InputError, file, wrong
+from ._errors import InputError, file, require, wrong
 from ._mechanism import Mechanism
 
 if TYPE_CHECKING:
@@ -100,6 +100,8 @@ def _made(
     threads, progress = how
     if not (isinstance(progress, bool) or callable(progress)):
         wrong("progress", progress, "True, False or a function")
+    # Without pandas, the results of all runs would be lost.
+    require("pandas")
     bar = _Bar() if progress is True else None
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -120,6 +122,7 @@ def _made(
 
 
 def _table(path: Path, log: str) -> pandas.DataFrame:
+    require("pandas")
     import pandas
 
     with path.open(encoding="utf-8", newline="") as file:
