@@ -130,6 +130,8 @@ class Result(np.ndarray[Any, Any]):
         for name in (x, *names):
             if not isinstance(name, str):
                 wrong("a name", name, "the name of a variable, a text")
+        if not isinstance(show, bool | np.bool_):
+            wrong("show", show, "True or False")
         self[x]
         chosen = list(names) or [name for name in self.names if name != x]
         groups: dict[str, list[str]] = {}
