@@ -14,7 +14,7 @@ use super::{Blind, Foreseen, Preview, SAME_STEP, Setting, State};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::hydraulics::inputs::Input;
-use crate::hydraulics::systems::{Element, IMPULSE, LENGTH, SPEED};
+use crate::hydraulics::systems::{ELEMENT, Element, IMPULSE, LENGTH, SPEED, with_element, without_element};
 
 /// What the mechanism has been told of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,8 +116,15 @@ impl State {
     /// By how much the motion foreseen, which a step of size h [s] has kept, leads the mechanism at its end, length [m]
     /// and speed [m/s]: the command or a pressure has changed, the load has jumped or a lock has let go after the
     /// mechanism was told its force. Whatever else nobody foresaw is no lead: the next foresight begins where the
-    /// mechanism is. In steps below the reciprocal of sqrt(k/m) the oil follows a load or a lock instead.
-    pub fn lead(&mut self, setting: &Setting<'_>, predicted: &Predicted, foreseen: &Foreseen, h: f64) -> [f64; 2] {
+    /// mechanism is. To a load or a lock, which act for two steps before a force can react, the oil reacts from here on
+    /// as if it had known of them.
+    pub fn lead(
+        &mut self,
+        setting: &Setting<'_>,
+        predicted: &Predicted,
+        (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
+        h: f64,
+    ) -> [f64; 2] {
         let Some(told) = self.told else { return [0.0; 2] };
         if foreseen.course.met_end {
             // The mechanism is where the force brings it that leads to the end of the cylinder.
@@ -140,17 +147,40 @@ impl State {
         ];
         let [lower, upper] = told.element.limits;
         let let_go = lower == upper && predicted.element.limits != told.element.limits;
-        if let_go || self.jump_of_load(setting) != 0.0 {
-            let stiffness = setting.laws.stiffness(self.pressures(), predicted.motion[0]);
-            if stiffness * h * h < predicted.element.mass {
-                // The step resolves how the oil carries what has come unforeseen.
-                let way = predicted.motion[0] - expected[0];
-                self.circuit = setting.laws.displaced(&self.circuit, predicted.motion[0], way);
-            } else {
-                (0..2).for_each(|k| lead[k] += expected[k] - predicted.motion[k]);
-            }
+        if (let_go || self.jump_of_load(setting) != 0.0)
+            && let Some(reaction) = self.reaction(setting, predicted, (before, foreseen), h)
+        {
+            let [length, speed] = [LENGTH, SPEED].map(|k| reaction[k]);
+            lead[0] += length + (expected[0] - predicted.motion[0]);
+            lead[1] += speed + (expected[1] - predicted.motion[1]);
+            let circuit = without_element(&reaction);
+            (0..CIRCUIT).for_each(|k| self.circuit[k] += circuit[k]);
         }
         lead
+    }
+
+    /// Change of the motion foreseen at the end of a step of size h [s], had the oil known the element of the inputs from
+    /// the beginning of the step before: both steps from the state before this one, as it hardly changes in a step.
+    fn reaction(
+        &self,
+        setting: &Setting<'_>,
+        predicted: &Predicted,
+        (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
+        h: f64,
+    ) -> Option<[f64; ELEMENT]> {
+        let start = with_element(before, foreseen.start);
+        let element = (predicted.element, predicted.correction);
+        let mut change = [0.0; ELEMENT];
+        for _ in 0..2 {
+            let y: [f64; ELEMENT] = std::array::from_fn(|k| start[k] + change[k]);
+            let from = (&without_element(&y), [y[LENGTH], y[SPEED]]);
+            let seen = self.foresee_from(setting, from, element, h).ok()?;
+            if !seen.is_whole() || seen.course.met_end || seen.course.held_at_end {
+                return None;
+            }
+            change = std::array::from_fn(|k| seen.end[k] - foreseen.end[k]);
+        }
+        Some(change)
     }
 
     /// A way that is owed is repaid over a step of size h [s] that ends at this length [m].
