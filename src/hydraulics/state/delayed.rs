@@ -147,8 +147,9 @@ impl State {
         ];
         let [lower, upper] = told.element.limits;
         let let_go = lower == upper && predicted.element.limits != told.element.limits;
-        if (let_go || self.jump_of_load(setting) != 0.0)
-            && let Some(reaction) = self.reaction(setting, predicted, (before, foreseen), h)
+        let steps = self.unanswered(setting, let_go);
+        if steps > 0
+            && let Some(reaction) = self.reaction(setting, predicted, (before, foreseen), (steps, h))
         {
             let [length, speed] = [LENGTH, SPEED].map(|k| reaction[k]);
             lead[0] += length + (expected[0] - predicted.motion[0]);
@@ -159,19 +160,19 @@ impl State {
         lead
     }
 
-    /// Change of the motion foreseen at the end of a step of size h [s], had the oil known the element of the inputs from
-    /// the beginning of the step before: both steps from the state before this one, as it hardly changes in a step.
+    /// Change of the motion foreseen at the end of a step of size h [s], had the oil known the element of the inputs for
+    /// one step or two: each from the state before this one, as it hardly changes in a step.
     fn reaction(
         &self,
         setting: &Setting<'_>,
         predicted: &Predicted,
         (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
-        h: f64,
+        (steps, h): (usize, f64),
     ) -> Option<[f64; ELEMENT]> {
         let start = with_element(before, foreseen.start);
         let element = (predicted.element, predicted.correction);
         let mut change = [0.0; ELEMENT];
-        for _ in 0..2 {
+        for _ in 0..steps {
             let y: [f64; ELEMENT] = std::array::from_fn(|k| start[k] + change[k]);
             let from = (&without_element(&y), [y[LENGTH], y[SPEED]]);
             let seen = self.foresee_from(setting, from, element, h).ok()?;
