@@ -149,19 +149,18 @@ impl State {
         let let_go = lower == upper && predicted.element.limits != told.element.limits;
         let steps = self.unanswered(setting, let_go);
         if steps > 0
-            && let Some(reaction) = self.reaction(setting, predicted, (before, foreseen), (steps, h))
+            && let Some(reacted) = self.reaction(setting, predicted, (before, foreseen), (steps, h))
         {
-            let [length, speed] = [LENGTH, SPEED].map(|k| reaction[k]);
-            lead[0] += length + (expected[0] - predicted.motion[0]);
-            lead[1] += speed + (expected[1] - predicted.motion[1]);
-            let circuit = without_element(&reaction);
-            (0..CIRCUIT).for_each(|k| self.circuit[k] += circuit[k]);
+            lead[0] += reacted[LENGTH] - end[0] + (expected[0] - predicted.motion[0]);
+            lead[1] += reacted[SPEED] - end[1] + (expected[1] - predicted.motion[1]);
+            self.circuit = without_element(&reacted);
         }
         lead
     }
 
-    /// Change of the motion foreseen at the end of a step of size h [s], had the oil known the element of the inputs for
-    /// one step or two: each from the state before this one, as it hardly changes in a step.
+    /// State at the end of a step of size h [s], had the oil known the element of the inputs for so many steps. Each of
+    /// them starts from the state before the last one, with the change that the others have made: what the motion
+    /// foreseen passes through in a step changes the reaction by little.
     fn reaction(
         &self,
         setting: &Setting<'_>,
@@ -169,19 +168,18 @@ impl State {
         (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
         (steps, h): (usize, f64),
     ) -> Option<[f64; ELEMENT]> {
-        let start = with_element(before, foreseen.start);
-        let element = (predicted.element, predicted.correction);
-        let mut change = [0.0; ELEMENT];
+        let mut start = with_element(before, foreseen.start);
+        let mut end = None;
         for _ in 0..steps {
-            let y: [f64; ELEMENT] = std::array::from_fn(|k| start[k] + change[k]);
-            let from = (&without_element(&y), [y[LENGTH], y[SPEED]]);
-            let seen = self.foresee_from(setting, from, element, h).ok()?;
+            let from = (&without_element(&start), [start[LENGTH], start[SPEED]]);
+            let seen = self.foresee_from(setting, from, (predicted.element, predicted.correction), h).ok()?;
             if !seen.is_whole() || seen.course.met_end || seen.course.held_at_end {
                 return None;
             }
-            change = std::array::from_fn(|k| seen.end[k] - foreseen.end[k]);
+            (0..ELEMENT).for_each(|k| start[k] += seen.end[k] - foreseen.end[k]);
+            end = Some(seen.end);
         }
-        Some(change)
+        end
     }
 
     /// A way that is owed is repaid over a step of size h [s] that ends at this length [m].
