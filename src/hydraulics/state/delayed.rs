@@ -146,7 +146,9 @@ impl State {
             speed - gain + (end[1] - told.preview.speed),
         ];
         let [lower, upper] = told.element.limits;
-        let let_go = lower == upper && predicted.element.limits != told.element.limits;
+        let is_other = lower == upper && predicted.element.limits != told.element.limits;
+        // What static friction alone has held at rest has told no limits.
+        let let_go = is_other && self.last.is_some_and(|last| !last.rests);
         let steps = self.unanswered(setting, let_go);
         if steps > 0
             && let Some(reacted) = self.reaction(setting, predicted, (before, foreseen), (steps, h))
@@ -168,15 +170,15 @@ impl State {
         (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
         (steps, h): (usize, f64),
     ) -> Option<[f64; ELEMENT]> {
-        let mut start = with_element(before, foreseen.start);
-        let mut end = None;
+        let before = with_element(before, foreseen.start);
+        let (mut start, mut end) = (before, None);
         for _ in 0..steps {
             let from = (&without_element(&start), [start[LENGTH], start[SPEED]]);
             let seen = self.foresee_from(setting, from, (predicted.element, predicted.correction), h).ok()?;
             if !seen.is_whole() || seen.course.met_end || seen.course.held_at_end {
                 return None;
             }
-            (0..ELEMENT).for_each(|k| start[k] += seen.end[k] - foreseen.end[k]);
+            start = std::array::from_fn(|k| before[k] + (seen.end[k] - foreseen.end[k]));
             end = Some(seen.end);
         }
         end
