@@ -4,7 +4,7 @@
 //! of the inputs, the predicted force. It must not change the state.
 use super::limits::{Course, holds};
 use super::march::{Instants, Levels, March, finite};
-use super::{Last, Setting, State, Told};
+use super::{Last, Setting, State};
 use crate::hydraulics::circuit::{CIRCUIT, settling_reach};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
@@ -209,8 +209,8 @@ impl State {
     /// # Errors
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        if let Some(Told { start, element, correction, .. }) = self.told {
-            return self.foresee_from(setting, (&self.circuit, start), (element, correction), h);
+        if let Some(told) = &self.told {
+            return self.foresee_from(setting, (&self.circuit, told.start), (told.element, told.correction), h);
         }
         let element = self.element(setting).map_err(|blind| (blind, None))?;
         let motion = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
