@@ -73,7 +73,7 @@ keys! {
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// The object `solver` contains the settings of the time integration.
+    /// Settings of the time integration.
     pub struct Solver: Copy {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
@@ -86,15 +86,16 @@ keys! {
     /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. Numbers are in SI
     /// units. Pressures are relative to the ambient pressure.
     pub struct HydraulicActuator {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
-        /// underscores.
+        /// Name of the FMU. The name consists of letters, digits and underscores. The first character must not be a
+        /// digit.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, for the model description of the FMU.
+        /// Author, copyright and licence of the model. The program writes these texts into the model description of the
+        /// FMU.
         about: About => Key::PLAIN.brief();
         /// Hydraulic circuit: supply, valve, cylinder and oil.
         circuit: Circuit;
@@ -102,7 +103,7 @@ keys! {
         actuator: Actuator;
         /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
         coupling: Coupling;
-        /// The object `solver` contains the settings of the time integration.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

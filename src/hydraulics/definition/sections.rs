@@ -60,8 +60,8 @@ keys! {
         /// Oil volume of chamber A when the cylinder is fully retracted, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A when the \
             cylinder is fully retracted, including the oil in the lines");
-        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure in chamber A at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
+        /// absolute pressure) must be above 0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber A at the \
             start, relative to the ambient pressure");
     }
@@ -71,8 +71,8 @@ keys! {
         /// Oil volume of chamber B when the cylinder is fully extended, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B when the \
             cylinder is fully extended, including the oil in the lines");
-        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure in chamber B at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
+        /// absolute pressure) must be above 0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber B at the \
             start, relative to the ambient pressure");
     }
@@ -88,7 +88,7 @@ keys! {
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
-        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
@@ -219,12 +219,12 @@ keys! {
 
     /// Hoses of both chambers.
     pub struct Hose: Copy {
-        /// Volume of the hose of chamber A [m3], >= 0. The hose volume is a part of `chamber_a.dead_volume`. The value
-        /// 0 means that there is no hose.
+        /// Volume of the hose of chamber A [m3], >= 0. The hose volume is a part of `chamber_a.dead_volume`. The
+        /// default 0 means: no hose.
         volume_a: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber A, \
             part of the dead volume of chamber A; 0: no hose");
-        /// Volume of the hose of chamber B [m3], >= 0. The hose volume is a part of `chamber_b.dead_volume`. The value
-        /// 0 means that there is no hose.
+        /// Volume of the hose of chamber B [m3], >= 0. The hose volume is a part of `chamber_b.dead_volume`. The
+        /// default 0 means: no hose.
         volume_b: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber B, \
             part of the dead volume of chamber B; 0: no hose");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -252,8 +252,8 @@ keys! {
         /// accumulator, and the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
+        /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
             accumulator: gas pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.

@@ -25,8 +25,8 @@ keys! {
     /// The file mechanism.json defines a planar linkage with one degree of freedom. Numbers are in SI units. Angles
     /// are in rad and count anticlockwise.
     pub struct Mechanism {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
@@ -99,7 +99,7 @@ keys! {
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
         linearisation: bool => Key::PLAIN.brief();
-        /// The object `solver` contains the settings of the time integration.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -30,8 +30,8 @@ keys! {
 
     /// The object `contents` is the content of the file of shared parameters.
     pub struct SharedContents {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;

@@ -15,7 +15,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class LinearModel:
-    """Linear model of small motions about rest at one position: x' = A x + B u, y = C x + D u. The state x consists of
+    """Linear model of small motions of a mechanism about one position at rest: x' = A x + B u, y = C x + D u. The
+    state x consists of
     one coordinate of the mechanism, the time derivative of this coordinate, and the integral parts of controllers."""
 
     #: Name of the coordinate.
@@ -24,7 +25,7 @@ class LinearModel:
     inputs: tuple[str, ...]
     #: Names of the outputs y of the linear model.
     outputs: tuple[str, ...]
-    #: Value of the coordinate at the position of the linear model [rad or m].
+    #: Value of the coordinate at the position about which the linear model is valid [rad or m].
     position: float
     #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
     acceleration: float

@@ -20,12 +20,12 @@ keys! {
         /// extended.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of @, \
             including the oil in the lines");
-        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
+        /// pressure) must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hose that is connected to the chamber [m3], >= 0. The hose volume is a part of the oil volume
-        /// in the key `dead_volume`. The value 0 means that there is no hose.
+        /// in the key `dead_volume`. The default 0 means: no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
             dead volume; 0: no hose");
         /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means
@@ -116,7 +116,7 @@ keys! {
 }
 
 keys! {
-    /// The object `coupling` contains the settings of the coupling with the mechanisms that the cylinders drive.
+    /// Settings of the coupling between the hydraulic FMU and the mechanisms that its cylinders drive.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// cylinders within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs

@@ -14,8 +14,8 @@ use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecon
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure`, the pressure of the reservoir [Pa]. The absolute pressure,
-        /// which is the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Start value of the input `<name>.pressure`, the pressure of the reservoir [Pa]. The sum of this gauge
+        /// pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -23,12 +23,12 @@ keys! {
     pub struct Line: Copy {
         /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
+        /// pressure) must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hoses at the node [m3], >= 0. The hose volume is a part of the oil volume in the key `volume`.
-        /// The value 0 means that there is no hose.
+        /// The default 0 means: no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hoses in @, part of the \
             oil volume");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -43,8 +43,8 @@ keys! {
         from: String => line().required();
         /// Node into which the pump delivers oil.
         to: String => line().required();
-        /// How the pump flow depends on the pressure. `compensated`: the flow falls to 0 between `full_pressure` and
-        /// `max_pressure`. `fixed`: the flow does not depend on the pressure.
+        /// Type of the pump. `compensated`: the pump flow falls from the full flow to 0 between the pressures
+        /// `full_pressure` and `max_pressure`. `fixed`: the pump flow does not depend on the pressure.
         r#type as "type": PumpType;
         /// Flow of the pump at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up
         /// to `full_pressure`.
@@ -59,15 +59,15 @@ keys! {
             delivers 1 % of its full flow or less");
     }
 
-    /// A gas accumulator stores oil under gas pressure, and is connected to a node.
+    /// A gas accumulator stores oil under gas pressure. Each gas accumulator is connected to a node.
     pub struct Accumulator {
         /// Node to which the accumulator is connected.
         at: String => line().required();
         /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
+        /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure when the accumulator contains no oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -112,8 +112,8 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. The
-        /// key `rated_flow` has no effect if `conductance` is greater than 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. If
+        /// `conductance` is greater than 0, the key `rated_flow` has no effect.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
@@ -235,7 +235,7 @@ keys! {
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port of the valve on the side of the load, from which reverse flow enters the valve.
+        /// Port of the valve on the side of the load. Reverse flow enters the valve at this port.
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port helps to open the valve.
         pilot: String => line().required();
@@ -299,7 +299,7 @@ keys! {
     /// A by-pass (dump valve) connects two ports. The input `<name>.open` is the opening of the by-pass: 0 is closed,
     /// and 1 is fully open.
     pub struct Bypass {
-        /// First port of the by-pass. A flow from port `from` to port `to` is positive.
+        /// First port of the by-pass. Flow from the port `from` to the port `to` is positive.
         from: String => line().required();
         /// Second port of the by-pass.
         to: String => line().required();
@@ -351,7 +351,7 @@ keys! {
         /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
