@@ -11,7 +11,7 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 
 keys! {
-    /// A hydraulic circuit consists of supply, tank, valve, cylinder and oil.
+    /// A hydraulic circuit consists of a supply, a tank, a servo valve, a cylinder and oil.
     pub struct Circuit {
         /// Supply. The input `supply.pressure` is the pressure of the supply.
         supply: Supply;

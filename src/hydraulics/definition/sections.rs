@@ -92,9 +92,9 @@ keys! {
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
-        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. Because of the clearance,
-        /// a metering edge opens smoothly. At the spool position `valve.overlap`, a metering edge is open by half of
-        /// the clearance.
+        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance smooths the
+        /// opening of a metering edge. At the spool position `valve.overlap`, a metering edge is open by half of the
+        /// clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
             full opening; at the spool position overlap, a metering edge is open by half of the clearance");
         /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
@@ -110,7 +110,7 @@ keys! {
     /// Restrictor in the line of chamber A, for flow out of the chamber.
     pub struct RestrictorA: Copy {
         /// Flow out of chamber A through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
-        /// value 0 means that there is no restrictor.
+        /// value 0 means: no restrictor.
         rated_flow: f64 = 5e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber A \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
@@ -118,7 +118,7 @@ keys! {
     /// Restrictor in the line of chamber B, for flow out of the chamber.
     pub struct RestrictorB: Copy {
         /// Flow out of chamber B through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
-        /// value 0 means that there is no restrictor.
+        /// value 0 means: no restrictor.
         rated_flow: f64 = 0.0 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber B \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
@@ -134,11 +134,11 @@ keys! {
     /// Cushion of chamber A, at the retracted end of the travel.
     pub struct CushionA: Copy {
         /// Length of the last part of the travel, before the retracted end, in which the cushion throttles the flow out
-        /// of chamber A [m], >= 0. The value 0 means that there is no cushion.
+        /// of chamber A [m], >= 0. The value 0 means: no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber A; 0: no cushion");
         /// Flow out of chamber A through the cushion at the retracted end of the travel, at the rated pressure drop of
-        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
+        /// the valve [m3/s], >= 0. The value 0 means: no cushion.
         rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
             lets out of chamber A at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
@@ -146,11 +146,11 @@ keys! {
     /// Cushion of chamber B, at the extended end of the travel.
     pub struct CushionB: Copy {
         /// Length of the last part of the travel, before the extended end, in which the cushion throttles the flow out
-        /// of chamber B [m], >= 0. The value 0 means that there is no cushion.
+        /// of chamber B [m], >= 0. The value 0 means: no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber B; 0: no cushion");
         /// Flow out of chamber B through the cushion at the extended end of the travel, at the rated pressure drop of
-        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
+        /// the valve [m3/s], >= 0. The value 0 means: no cushion.
         rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
             lets out of chamber B at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
@@ -237,8 +237,8 @@ keys! {
     pub struct LockValve: Copy {
         /// Pressure ratio at which the pilot opens the lock valve [1], >= 0: oil leaves chamber A only while p_B >
         /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of the
-        /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means that
-        /// there is no lock valve.
+        /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means: no
+        /// lock valve.
         pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
             opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
@@ -248,8 +248,8 @@ keys! {
 
     /// Accumulator between pump and valve.
     pub struct Accumulator: Copy {
-        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. With the value 0, there is no
-        /// accumulator, and the input `supply.pressure` is the pressure at the supply port of the valve.
+        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. The value 0 means: no accumulator;
+        /// the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
         /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure

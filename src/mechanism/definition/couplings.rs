@@ -13,13 +13,13 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// A coupling connects two motions u1 and u2 by gears, a rack, a belt or a cam: u2 = F(u1). The motion u1 is the
-    /// angle of the first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the
-    /// carrier, or the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
+    /// Gears, a rack, a belt or a cam connect two motions u1 and u2: u2 = F(u1). The motion u1 is the angle of the
+    /// first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the carrier, or
+    /// the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
-        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The
-        /// program always rejects the type `screw`: define a screw by the key `screw` of an actuator.
+        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The type
+        /// `screw` is always an error: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects the point `first` to the
         /// carrier.
@@ -53,8 +53,8 @@ keys! {
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
         /// Cam with a flat-faced follower: direction along the face, as an angle in the frame of the follower [rad].
-        /// Default for a translating follower: perpendicular to the direction of sliding. Default for an oscillating
-        /// follower: along the x axis of the follower.
+        /// Default: perpendicular to the direction of sliding for a translating follower, and along the x axis of the
+        /// follower for an oscillating follower.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
             face of the follower of @, as an angle in the frame of the follower");
         /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0
@@ -88,7 +88,7 @@ keys! {
         /// Belt: radius of the second pulley [m], > 0.
         second_radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the second pulley");
-        /// Belt: true if the spans cross, so that the pulleys turn in opposite directions.
+        /// Belt: true if the two spans of the belt cross. The pulleys then turn in opposite directions.
         crossed: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: tension of each span at rest without load [N], >= 0.
         pretension: Option<f64> =>

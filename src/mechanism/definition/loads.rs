@@ -39,9 +39,10 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of two bodies between which the drive exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the drive exerts a torque. The two bodies need no common joint.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the drive is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the drive exerts a torque. The angle of the drive is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
         /// Start value of the input `<name>.force`, the force that the drive exerts [N]. The key `force` is not
         /// allowed in a revolute joint, between two bodies or together with `screw`.
@@ -56,9 +57,8 @@ keys! {
         /// the value of the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Fraction)
             .parameter(Role::Load, "Efficiency where power flows back to the drive");
-        /// true: the drive has outputs for each moving body: the part of the body in the reduced mass and in the static
-        /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3). false: the drive has no
-        /// outputs for single bodies.
+        /// true: the drive has additional outputs for each moving body: its share of the reduced mass and of the static
+        /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3).
         by_body: bool => Key::PLAIN.brief();
         /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
         /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.

@@ -28,16 +28,16 @@ keys! {
         /// in the key `dead_volume`. The default 0 means: no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
             dead volume; 0: no hose");
-        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means
-        /// that there is no restrictor.
+        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means:
+        /// no restrictor.
         restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
             restrictor at the rated pressure drop; 0: no restrictor");
         /// Length of the last part of the travel in which the cushion throttles the flow out of the chamber [m], >= 0.
-        /// The value 0 means that there is no cushion.
+        /// The value 0 means: no cushion.
         cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of @; 0: no cushion");
         /// Flow out of the chamber through the cushion at the end of the travel, at the rated pressure drop [m3/s], >=
-        /// 0. The value 0 means that there is no cushion.
+        /// 0. The value 0 means: no cushion.
         cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion lets \
             out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
