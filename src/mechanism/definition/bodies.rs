@@ -54,8 +54,8 @@ keys! {
         /// prismatic joint is constant. `slot`: a pin in a curved slot or track. The pin is the second point. The slot
         /// is an arc or a smooth curve in the first body.
         kind as "type": JointKind => Key::PLAIN.required();
-        /// Point (`body.point`) at which the joint acts on the first body. The reaction outputs of the joint state the
-        /// force of the first body on the second body.
+        /// Point (`body.point`) of the first body. The reaction outputs of the joint are the force of the first body on
+        /// the second body.
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
@@ -107,16 +107,16 @@ keys! {
     }
 
     /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
-    /// the law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
-    /// `static_speed`. Above `static_speed` the coefficient mu falls along a cubic curve to the kinetic coefficient at
-    /// `kinetic_speed`. With the law `stick`, the coefficient mu is the static coefficient up to `static_speed`, and
-    /// friction holds the mechanism at rest.
+    /// the law `viscous`, the coefficient of friction is proportional to the slip speed up to `static_speed`, where it
+    /// is the static coefficient. With the law `stick`, the coefficient of friction is the static coefficient up to
+    /// `static_speed`, and friction can hold the mechanism at rest. Above `static_speed`, the coefficient of friction
+    /// falls along a cubic curve to the kinetic coefficient at `kinetic_speed`.
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: no friction").absent("false");
-        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
-        /// the mechanism at rest. `stick`: Coulomb's law, with which friction holds the mechanism at rest.
+        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and cannot hold the
+        /// mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
         /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` the static coefficient must be at least
         /// as large as the kinetic coefficient.

@@ -21,10 +21,11 @@ keys! {
         second: Option<String> => point();
         /// First of two bodies between which the angle is limited, in place of the key `body`.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the stop is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the angle is limited. The angle of the stop is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
-        /// Side on which the stop limits the motion. `lower`: the angle, position or distance cannot fall below the
-        /// value at the stop. `upper`: the angle, position or distance cannot rise above the value at the stop.
+        /// Kind of limit. `lower`: the stop limits the angle, position or distance from below. `upper`: the stop limits
+        /// the angle, position or distance from above.
         limit: Limit => Key::PLAIN.required();
         /// Angle at the stop [rad]: the angle of the body, or the angle of the second body relative to the first body
         /// for a revolute joint or two bodies.
@@ -36,8 +37,8 @@ keys! {
             points at the stop @");
         /// true: the stop acts on the mechanism. false: the stop is ignored.
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: the stop @ acts; false: the stop is ignored");
-        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. If
-        /// the stop has `stiffness`, `damping` or `points`, the key `rigid` must be given too.
+        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. A
+        /// stop with `stiffness`, `damping` or `points` must also have the key `rigid`.
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
                 damper that only pushes").absent("true");
@@ -54,8 +55,8 @@ keys! {
         /// rad, N or N.m]. The first pair must be [0, 0], and the force must not fall with the compression. Beyond the
         /// last pair the force curve of the bumper continues as a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond. Default:
-        /// `<name>.reached`.
+        /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond the stop.
+        /// Default: `<name>.reached`.
         flag: Option<String> => element();
     }
 

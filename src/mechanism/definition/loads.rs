@@ -117,10 +117,11 @@ keys! {
 
     /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
     /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. In a prismatic
-    /// joint the length is the position of the joint, and a positive force moves the second body back along the axis.
-    /// In a revolute joint or between two bodies, the torque preload + stiffness * (angle - free_angle) + damping *
-    /// d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the second body relative to
-    /// the first body. The spring force also includes the forces of the keys `points`, `damping_points` and `gas`.
+    /// joint, the position of the joint replaces the length, and a positive force moves the second body against the
+    /// direction of the axis. In a revolute joint or between two bodies, the torque preload + stiffness * (angle -
+    /// free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the
+    /// second body relative to the first body. The spring force also includes the forces of the keys `points`,
+    /// `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
@@ -128,9 +129,10 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of two bodies on whose angle the spring acts. The two bodies need no common joint.
+        /// First of the two bodies between which the spring exerts a torque. The two bodies need no common joint.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the spring is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the spring exerts a torque. The angle of the spring is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
         /// Stiffness of the linear spring [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
@@ -154,8 +156,8 @@ keys! {
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
         /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
         /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The damping curve must pass through
-        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair the damping curve
-        /// continues as a straight line.
+        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair, the damping
+        /// curve is a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.

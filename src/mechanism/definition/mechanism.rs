@@ -93,8 +93,8 @@ keys! {
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions from which two different motions are possible), relative to the size
         /// of the mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the
-        /// program corrects the lengths so that the mechanism passes exactly through the change point. With the value
-        /// 0 the program corrects no lengths.
+        /// program corrects the lengths. The corrected mechanism passes exactly through the change point. The value 0
+        /// means: no correction.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
