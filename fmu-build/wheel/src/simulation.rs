@@ -33,7 +33,7 @@ impl Held<'_> {
     #[inline]
     fn run(&mut self) -> PyResult<&mut Run> {
         self.0.as_mut().ok_or_else(|| {
-            SimulationError::new_err("this simulation is closed; make a new one with Mechanism.simulation")
+            SimulationError::new_err("this simulation is closed; create a new simulation with Mechanism.simulation")
         })
     }
 }
@@ -52,8 +52,8 @@ impl Simulation {
                 "another thread uses this simulation; wait until its run ends, or give each thread a copy()",
             )),
             Err(TryLockError::Poisoned(_)) => Err(SimulationError::new_err(
-                "a fault of the engine has left this simulation in an unknown state; make a new one with \
-                 Mechanism.simulation",
+                "an internal error has left this simulation in an unknown state; create a new simulation with \
+                    Mechanism.simulation",
             )),
         }
     }
@@ -295,7 +295,7 @@ impl Simulation {
         let bytes = bytes.as_bytes();
         self.with(|run| {
             let no_state =
-                || input("these bytes are not a saved state of this mechanism; give those of State.to_bytes");
+                || input("these bytes are not a saved state of this mechanism; give the bytes of State.to_bytes");
             let (head, snapshot) = bytes.split_at_checked(24).ok_or_else(no_state)?;
             let word = |at: usize| u64::from_le_bytes(head[8 * at..8 * at + 8].try_into().unwrap_or_default());
             let time = f64::from_bits(word(0));

@@ -64,12 +64,12 @@ keys! {
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 
-    /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
+    /// Settings of the coupling between the actuator FMU and the mechanism FMU.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// actuator within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
         /// `actuator.length` and `actuator.speed` prescribe the motion. `delayed`: the FMU predicts the motion, for a
-        /// simulation program that passes every value one step late.
+        /// simulation tool that passes every value one step late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
@@ -83,8 +83,8 @@ keys! {
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }
 
-    /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. Numbers are in SI
-    /// units. Pressures are relative to the ambient pressure.
+    /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. All numbers in the
+    /// file are in SI units. Pressures are relative to the ambient pressure.
     pub struct HydraulicActuator {
         /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
         /// use the key `$schema`.
@@ -101,7 +101,7 @@ keys! {
         circuit: Circuit;
         /// Start values of the inputs `actuator.length` and `actuator.speed`.
         actuator: Actuator;
-        /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
+        /// Settings of the coupling between the actuator FMU and the mechanism FMU.
         coupling: Coupling;
         /// Settings of the time integration.
         solver: Solver;

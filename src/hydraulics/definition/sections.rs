@@ -48,7 +48,8 @@ keys! {
             pressure divided by the relative growth of the cylinder volume; 0: rigid walls");
         /// Restitution at the rigid ends of the travel: speed of the piston after an impact on an end, divided by the
         /// speed before the impact [1], from 0 to 1.
-        restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
+        restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Coefficient of restitution at the rigid ends \
+            of the travel");
         /// Oil volume from which the FMU calculates the elasticity of the oil in a chamber. `changes`: the present
         /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
         /// `dead_volume`.
@@ -139,8 +140,8 @@ keys! {
             which the cushion throttles the flow out of chamber A; 0: no cushion");
         /// Flow out of chamber A through the cushion at the retracted end of the travel, at the rated pressure drop of
         /// the valve [m3/s], >= 0. The value 0 means: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
-            lets out of chamber A at the end of the travel, at the rated pressure drop; 0: no cushion");
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber \
+            A through the cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Cushion of chamber B, at the extended end of the travel.
@@ -151,8 +152,8 @@ keys! {
             which the cushion throttles the flow out of chamber B; 0: no cushion");
         /// Flow out of chamber B through the cushion at the extended end of the travel, at the rated pressure drop of
         /// the valve [m3/s], >= 0. The value 0 means: no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
-            lets out of chamber B at the end of the travel, at the rated pressure drop; 0: no cushion");
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber \
+            B through the cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Relief valves from both chambers into the tank.
@@ -201,8 +202,8 @@ keys! {
             the seals");
         /// Stribeck speed: characteristic speed at which the seal friction decreases from static to kinetic friction
         /// [m/s], > 0.
-        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of the \
-            fall from static to kinetic friction (Stribeck speed) of the seals");
+        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Stribeck speed \
+            (characteristic speed of the change from static to kinetic friction) of the seals");
         /// Characteristic speed of the smooth reversal of the seal friction force [m/s], > 0. Static and kinetic
         /// friction are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the
         /// speed v = 0.
@@ -239,8 +240,9 @@ keys! {
         /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of the
         /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means: no
         /// lock valve.
-        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
-            opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
+        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio of the lock \
+            valve: the lock valve opens when the pressure in chamber B exceeds this ratio times the pressure in \
+            chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range in which the lock \
             valve changes smoothly from closed to open");
@@ -254,8 +256,8 @@ keys! {
             precharge pressure; 0: no accumulator");
         /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
         /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
-        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
-            accumulator: gas pressure when the accumulator contains no oil");
+        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure: gas pressure \
+            in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             the accumulator");

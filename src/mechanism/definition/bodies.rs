@@ -7,9 +7,10 @@ use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecon
 
 keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
-    /// frame. The x axis of the frame passes through the point `end`, at the distance `length` from the origin.
+    /// body frame. The x axis passes through the point `end`, at the distance `length` from the origin.
     pub struct Body {
-        /// Point (`body.point`) of another body, to which the origin of this body is rigidly fixed.
+        /// Point (`body.point`) of another body, for a rigid connection. The origin of the present body is fixed to
+        /// this point.
         fixed_to: Option<String> => point();
         /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. The key `angle` is allowed
         /// only together with `fixed_to`.
@@ -19,8 +20,8 @@ keys! {
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
         /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, only the motion is computed.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution of the body. `uniform_rod`: the mass is spread evenly from the point `origin` to the point
-        /// `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
+        /// Mass distribution of the body. `uniform_rod`: the mass is distributed evenly from the point `origin` to the
+        /// point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
         /// Centre of mass in the frame of the body [m]. The key `center` is not allowed together with `shape`.
         center: Option<[f64; 2]> =>

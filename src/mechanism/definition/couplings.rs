@@ -113,7 +113,7 @@ keys! {
         /// 0 to 1. With the value 0 the coupling locks itself: the second body cannot drive the first body. The key
         /// `backward_efficiency` needs the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
-            .parameter(Role::Load, "Efficiency where power flows from the second body to the first body of");
+            .parameter(Role::Load, "Efficiency for the power flow from the second body to the first body of");
     }
 }
 

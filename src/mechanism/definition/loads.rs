@@ -56,7 +56,7 @@ keys! {
         /// Efficiency of the drive where power flows back from the mechanism to the drive [1], > 0 and <= 1. Default:
         /// the value of the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Fraction)
-            .parameter(Role::Load, "Efficiency where power flows back to the drive");
+            .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
         /// true: the drive has additional outputs for each moving body: its share of the reduced mass and of the static
         /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3).
         by_body: bool => Key::PLAIN.brief();
@@ -174,7 +174,7 @@ keys! {
         /// Area on which the gas pressure acts [m2], > 0. With gas on both sides of the piston, the key `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Gas-loaded area").required();
+            .parameter(Role::Load, "Area of the gas pressure").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
@@ -183,8 +183,8 @@ keys! {
         exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
             gas").required();
         /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere.
-        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient \
-            pressure");
+        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute pressure of \
+            the surrounding air");
     }
 
     /// The object `air` describes a uniform air flow past the mechanism. The speed of the flow is the input
@@ -208,10 +208,9 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// A surface on which the air exerts drag: a strip between two points of one body, or an area at a point. The drag
-    /// of a surface is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag
-    /// coefficient and u is the air velocity relative to the surface [m/s]. The projected area S is perpendicular to u
-    /// [m2].
+    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is 1/2
+    /// * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is the
+    /// air velocity relative to the surface [m/s]. The projected area S is perpendicular to u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
@@ -219,7 +218,7 @@ keys! {
         to: Option<String> => point();
         /// Width of a surface that is a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
-        /// Point (`body.point`) at which the drag of an area acts.
+        /// Area: point (`body.point`) at which the drag acts.
         at: Option<String> => point();
         /// Area of a surface that has the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");

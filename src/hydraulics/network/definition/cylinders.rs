@@ -38,8 +38,8 @@ keys! {
             which the cushion throttles the flow out of @; 0: no cushion");
         /// Flow out of the chamber through the cushion at the end of the travel, at the rated pressure drop [m3/s], >=
         /// 0. The value 0 means: no cushion.
-        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion lets \
-            out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
+        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
+            cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// A differential cylinder has two ports: the chamber `<name>.a` on the piston side, and the chamber `<name>.b` on
@@ -56,8 +56,8 @@ keys! {
             points of @ when fully retracted");
         /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
         /// before [1], from 0 to 1. With the value 0, the piston does not rebound.
-        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
-            travel of @");
+        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Coefficient of restitution at the \
+            rigid ends of the travel of @");
         /// Start value of the input `<name>.length`, the distance between the two attachment points of the cylinder
         /// [m], >= 0. Without the key `length`, the cylinder starts in the middle of the travel.
         length: Option<f64> => number(Metre, NonNegative);
@@ -110,8 +110,8 @@ keys! {
         release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ is released");
         /// Hysteresis [Pa], >= 0: the lock engages again when the pressure at the port `at` falls below
         /// `release_pressure` - `hysteresis`.
-        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Pressure at which @ is released, \
-            minus the pressure at which this lock engages again");
+        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Hysteresis of @: release pressure \
+            minus the pressure at which the lock engages again");
     }
 }
 

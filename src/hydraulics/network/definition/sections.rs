@@ -69,7 +69,7 @@ keys! {
         /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
         /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
-            pressure when the accumulator contains no oil");
+            pressure in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             @");
@@ -125,8 +125,8 @@ keys! {
         /// Conductance of a check valve with linear flow: flow divided by the pressure drop above the cracking pressure
         /// [m3/(s.Pa)], >= 0. With the value 0, the flow is turbulent, and the key `rated_flow` states the flow through
         /// the open valve.
-        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
-            the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
+        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of @: flow \
+            divided by the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
 
     /// A relief valve lets oil flow from port `from` to port `to` while the pressure at `from` is above the key
@@ -143,8 +143,8 @@ keys! {
             opens");
         /// Conductance of the relief valve: flow divided by the excess of the pressure at the port `from` over the key
         /// `pressure` [m3/(s.Pa)], > 0.
-        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow of @ divided \
-            by the excess of the pressure over the opening pressure");
+        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Conductance of @: \
+            flow divided by the excess of the pressure over the opening pressure");
     }
 
     /// A priority valve is open while the pressure at the upstream port `from` is above the key `pressure`.
@@ -214,8 +214,8 @@ keys! {
         /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot >
         /// `ratio` * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston
         /// divided by the area of the valve seat.
-        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of the pilot pressure to the pressure \
-            at the locked port above which @ opens for the reverse flow");
+        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of pilot pressure to load pressure above \
+            which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
