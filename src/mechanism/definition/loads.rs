@@ -57,8 +57,8 @@ keys! {
         /// the value of the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Fraction)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
-        /// true: the drive has additional outputs for each moving body: its share of the reduced mass and of the static
-        /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3).
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
+        /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
         /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
