@@ -59,8 +59,11 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of actuator.holding_force with respect to actuator.length; 0: derivative not known",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step; 0: the FMU assumes the size of the last steps", \
-        Unit::Second),
+    (
+        "preview.horizon",
+        "Size of the next communication step; 0: the FMU assumes the size of the last steps",
+        Unit::Second,
+    ),
     (
         "actuator.lower_limit",
         "Smallest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
