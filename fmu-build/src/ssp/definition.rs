@@ -23,8 +23,7 @@ keys! {
         name: String => element().required();
         /// Description of the system, one line of text.
         description: String => line();
-        /// Stop time of the default experiment of the system [s], > 0. Without this key, the stop time is the longest
-        /// stop time of the FMUs.
+        /// Stop time of the default experiment of the system [s], > 0. Default: the longest stop time of the FMUs.
         stop_time: Option<f64> => number(Unit::Second, Range::Positive);
         /// FMUs of the system by name. The name of an FMU consists of letters, digits and underscores. The first
         /// character must not be a digit.

@@ -22,8 +22,8 @@ keys! {
             all other pressures are relative");
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
-        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. With the value
-        /// 0, the oil contains no air.
+        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. The value 0
+        /// means: no air in the oil.
         air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of the entrained air at \
             ambient pressure, divided by the volume of the oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
@@ -86,7 +86,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which all keys `rated_flow` of the circuit refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
         /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
@@ -98,8 +98,8 @@ keys! {
         /// clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
             full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
-        /// -1 to 1. A negative overlap is an underlap.
+        /// Overlap of the valve [1]: spool position, from -1 to 1, at which a metering edge starts to open. A negative
+        /// overlap is an underlap.
         overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge \
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0.
@@ -254,8 +254,8 @@ keys! {
         /// the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
-        /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
+        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure: gas pressure \
             in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -283,8 +283,8 @@ keys! {
         /// run.
         ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Final value of the ramp that is added to \
             valve.command from the start of the run");
-        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. With the value 0, the final value
-        /// of the ramp is added from the start of the run.
+        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. With the value 0, the ramp is a
+        /// step at the start of the run.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp that is added to \
             valve.command; 0: a jump at the start of the run");
         /// Amplitude of a sine that is added to the input `valve.command`, from the start of the run [1].

@@ -27,8 +27,8 @@ keys! {
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
-        /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved the
-        /// mechanism over 1 rad. Small values of `speed_floor` make slow creep accurate.
+        /// The reference speed is the speed of the mechanism if the present loads move the mechanism from rest over 1
+        /// rad. Small values of `speed_floor` make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed of the mechanism if \

@@ -23,7 +23,7 @@ keys! {
         /// Upward direction, as an angle from the X axis of the mechanism frame [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, as an angle from the X axis of the mechanism frame").required();
-        /// Start value of the input `load_factor` [1], the factor by which all weights are multiplied.
+        /// Start value of the input `load_factor`, which is a factor of all weights [1].
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
@@ -53,21 +53,21 @@ keys! {
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
         /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Efficiency of the drive where power flows back from the mechanism to the drive [1], > 0 and <= 1. Default:
-        /// the value of the key `efficiency`.
+        /// Efficiency of the drive for the power flow from the mechanism to the drive [1], > 0 and <= 1. Default: the
+        /// value of the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Fraction)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
         /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
         /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
-        /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
-        /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
-        /// Beyond the first and the last pair the force-speed curve continues as a straight line. The key `points` is
-        /// not allowed together with `hydraulics` or `motion`.
+        /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
+        /// The input `<name>.command` is a factor of the additional force. State pairs of speed and force in the order
+        /// of increasing speed. Beyond the first and the last pair, the force-speed curve is a straight line. The key
+        /// `points` is not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command`, the factor that multiplies the force of the curve `points` [1].
-        /// The key `command` is allowed only together with `points`.
+        /// Start value of the input `<name>.command`, the factor of the force of the curve `points` [1]. The key
+        /// `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
         /// is the torque of the motor. The key `screw` is not allowed in a revolute joint or between two bodies.
@@ -97,8 +97,7 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. If the key
-        /// `constant` is true, the two variables are parameters, otherwise inputs.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
@@ -108,8 +107,7 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m]. If the key `constant` is true, the variable
-        /// `<name>.torque` is a parameter, otherwise an input.
+        /// Start value of the variable `<name>.torque` [N.m].
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
@@ -150,9 +148,9 @@ keys! {
         /// ends of the spring together. A positive torque turns the second body clockwise, relative to the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Additional pulling force as a curve over the length, position or angle of the spring. State pairs of length
-        /// and force [m or rad, N or N.m] in the order of increasing length. Beyond the first and the last pair the
-        /// force curve continues as a straight line.
+        /// Additional pulling force as a curve over the length, position or angle of the spring [m or rad, N or N.m].
+        /// State pairs of length and force in the order of increasing length. Beyond the first and the last pair, the
+        /// force curve is a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
         /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
         /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The damping curve must pass through
@@ -171,7 +169,7 @@ keys! {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
-        /// Area on which the gas pressure acts [m2], > 0. With gas on both sides of the piston, the key `area` is the
+        /// Area on which the gas pressure acts [m2], > 0. If the gas is on both sides of the piston, `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
             .parameter(Role::Load, "Area of the gas pressure").required();

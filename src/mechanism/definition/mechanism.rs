@@ -87,9 +87,8 @@ keys! {
         /// Position and speed at the start, or the word `equilibrium`. With the word `equilibrium` the run starts at
         /// the stable equilibrium that is nearest to the position in `guess`.
         start: Start => Key::PLAIN.required();
-        /// By name: rough angle of each body that turns, and rough position of each prismatic joint and slot [m or
-        /// rad]. The guess selects one of the ways in which the links can be assembled. Bodies with the key `drawn`
-        /// need no guess.
+        /// Rough angle of each turning body, and rough position of each prismatic joint and slot, by name [m or rad].
+        /// The guess selects one of the possible assemblies of the links. Bodies with the key `drawn` need no guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions from which two different motions are possible), relative to the size
         /// of the mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the

@@ -23,8 +23,8 @@ keys! {
         /// Motion law of the drive as a function of time. Without the key `profile`, position, speed and acceleration
         /// of the drive are inputs of the FMU.
         profile: Option<ProfileKind>;
-        /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
-        /// prescribed.
+        /// Time at rest before the profile starts, measured from the instant at which the motion is first prescribed
+        /// [s], >= 0.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
         /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for

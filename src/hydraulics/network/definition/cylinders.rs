@@ -54,8 +54,8 @@ keys! {
         /// Distance between the attachment points of the fully retracted cylinder [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
-        /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
-        /// before [1], from 0 to 1. With the value 0, the piston does not rebound.
+        /// Coefficient of restitution at the rigid ends of the travel [1], from 0 to 1: piston speed after an impact,
+        /// divided by the piston speed before the impact. With the value 0, the piston does not rebound.
         restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Coefficient of restitution at the \
             rigid ends of the travel of @");
         /// Start value of the input `<name>.length`, the distance between the two attachment points of the cylinder

@@ -14,8 +14,8 @@ use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecon
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure`, the pressure of the reservoir [Pa]. The sum of this gauge
-        /// pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The sum of this
+        /// gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -46,8 +46,8 @@ keys! {
         /// Type of the pump. `compensated`: the pump flow falls from the full flow to 0 between the pressures
         /// `full_pressure` and `max_pressure`. `fixed`: the pump flow does not depend on the pressure.
         r#type as "type": PumpType;
-        /// Flow of the pump at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up
-        /// to `full_pressure`.
+        /// Full flow [m3/s], >= 0: flow of the pump at the relative speed 1. A compensated pump delivers the full flow
+        /// at pressures up to `full_pressure`.
         max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow of @ at the \
             relative speed 1 and low pressure");
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
@@ -66,8 +66,8 @@ keys! {
         /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The sum of this gauge pressure
-        /// and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
+        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -92,7 +92,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Conductance of a laminar resistance in series with the orifice: flow divided by pressure drop [m3/(s.Pa)],
@@ -119,12 +119,12 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// Conductance of a check valve with linear flow: flow divided by the pressure drop above the cracking pressure
-        /// [m3/(s.Pa)], >= 0. With the value 0, the flow is turbulent, and the key `rated_flow` states the flow through
-        /// the open valve.
+        /// Conductance of a check valve with linear flow [m3/(s.Pa)], >= 0: flow divided by the pressure drop above the
+        /// cracking pressure. With the default 0, the flow through the open valve is turbulent, and the key
+        /// `rated_flow` states its size.
         conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of @: flow \
             divided by the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
@@ -162,14 +162,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -190,14 +190,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -225,7 +225,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -257,7 +257,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -284,14 +284,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -311,7 +311,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -348,7 +348,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
@@ -359,8 +359,8 @@ keys! {
         /// `overlap`, a metering edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
             the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
-        /// -1 to 1. A negative overlap is an underlap.
+        /// Overlap of the valve [1]: spool position, from -1 to 1, at which a metering edge starts to open. A negative
+        /// overlap is an underlap.
         overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0. Without the key `frequency`, the spool position is equal to
