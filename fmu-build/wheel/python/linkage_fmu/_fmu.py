@@ -80,6 +80,6 @@ def package(
     Raises:
         MechanismError: the definition contains errors.
         InputError: the Python package contains no compiled library for one of the platforms, or the folder `path`
-        cannot be written.
+            cannot be written.
     """
     return Mechanism(source).package(path, fmi, platforms)

@@ -32,11 +32,11 @@ class LinearModel:
     #: Value of the input that keeps the mechanism at rest [N or N.m]. The value is None if the argument `held_by` was
     #: not given.
     holding: float | None
-    #: Eigenfrequency of the small undamped motion about the position [Hz]. The eigenfrequency is NaN if the motion is
-    #: not an oscillation.
+    #: Eigenfrequency of small undamped motions about the position [Hz]. The eigenfrequency is NaN if these motions are
+    #: not oscillations.
     eigenfrequency: float
-    #: Damping ratio of the small motion about the position [1]. The damping ratio is NaN if the motion is not an
-    #: oscillation.
+    #: Damping ratio of small motions about the position [1]. The damping ratio is NaN if these motions are not
+    #: oscillations.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].
     eigenvalues: tuple[complex, ...]

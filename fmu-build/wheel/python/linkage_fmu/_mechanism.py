@@ -195,14 +195,14 @@ class Mechanism:
             stop_time: time at the end of the simulation [s]. By default, the simulation ends at the stop time of the
                 default experiment.
             output_interval: time between two rows of the result [s]. The default is the step size of the default
-            experiment. If the result then has more than 1001 rows, the default step size is doubled until the result
-            has at most 1001 rows.
+                experiment. If the result then has more than 1001 rows, the default step size is doubled until the
+                result has at most 1001 rows.
             relative_tolerance: relative tolerance of the integration. By default, the tolerance of the definition is
                 used.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
                 unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If
-            two rows have the same time, the inputs jump at this time.
+                two rows have the same time, the inputs jump at this time.
             output: names of the variables to record. By default, all outputs are recorded.
             set_input_derivatives: True: the simulation also sets the time derivatives of the inputs in `input`.
 
@@ -211,10 +211,10 @@ class Mechanism:
             simulation.
 
         Raises:
-            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
-            GB of memory.
-            SimulationError: the simulation stops before the stop time. The attribute `result` of the exception
-            contains the rows of the result up to this time.
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
+                of memory.
+            SimulationError: the simulation stops before the stop time. The attribute `result` of the exception contains
+                the rows of the result up to this time.
         """
         columns = self._recorded(output)
         given = None
@@ -253,10 +253,9 @@ class Mechanism:
 
         Args:
             start_values: start values of inputs and parameters, by name. An array or a list contains one number in SI
-            units for each run. Any other start value has the same form as in `simulate` and applies to all runs.
+                units for each run. Any other start value has the same form as in `simulate` and applies to all runs.
             stop_time: time at the end of each run [s]. With the stop time 0, the result contains the outputs at the
-            start position.
-                By default, each run ends at the stop time of the default experiment.
+                start position. By default, each run ends at the stop time of the default experiment.
             output: names of the variables in the result. By default, the result contains all outputs.
             threads: number of runs at the same time. The default is the number of processor cores.
 
@@ -268,8 +267,8 @@ class Mechanism:
             number of runs with NaN, and the reason for the first NaN.
 
         Raises:
-            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
-            GB of memory.
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
+                of memory.
         """
         from ._many import simulate_many
 
@@ -340,7 +339,7 @@ class Mechanism:
             coordinate: name of the coordinate: an angle [rad] or a position [m]. By default, the coordinate is the one
                 in the key `start` of the definition.
             inputs: names of the inputs u of the linear model. By default, u contains all inputs on which the
-            acceleration depends.
+                acceleration depends.
             outputs: names of the outputs y of the linear model. By default, y contains only the coordinate.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
@@ -348,7 +347,7 @@ class Mechanism:
         Raises:
             InputError: a name in the arguments is not the name of a variable.
             SimulationError: the mechanism cannot be linearised, because the mechanism has additional states, such as
-            the pressures of a hydraulic circuit.
+                the pressures of a hydraulic circuit.
         """
         from ._linear import linearise
 
@@ -415,13 +414,13 @@ class Mechanism:
             path: folder for the FMUs. If the folder does not exist, `package` creates the folder.
             fmi: FMI version of the FMU: 2, 3 or "both".
             platforms: platforms on which the FMU can run, such as "x86_64-windows". By default, the FMU runs on the
-            platform of the present computer.
+                platform of the present computer.
             animation: True: the FMU contains an animation of the default experiment.
             results: True: the FMU contains reference results of the default experiment.
 
         Raises:
             InputError: the Python package contains no compiled library for one of the platforms, or the folder `path`
-            cannot be written.
+                cannot be written.
         """
         if self._path is not None:
             return self._packed(self._path, (path, fmi, platforms, animation, results))

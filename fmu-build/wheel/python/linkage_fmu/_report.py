@@ -18,7 +18,7 @@ class Finding:
     #: Severity of the finding: `error` or `warning`.
     severity: str
     #: Path of the key with the error or warning, such as `bodies.crank.length`. The path is empty if the finding
-    concerns the whole file.
+    #: concerns the whole file.
     path: str
     #: Description of the error or warning, with the wrong value and the limit.
     message: str
@@ -56,8 +56,8 @@ class Fact:
 
     #: Topic of the fact, such as `Travel`.
     topic: str
-    #: Name of the coordinate, actuator (drive), joint or other element to which the fact belongs. The name is empty for
-    #: a fact about the whole model.
+    #: Name of the coordinate, drive, joint or other element that the fact describes. The name is empty for a fact about
+    #: the whole model.
     of: str
     #: Numbers of the fact, with names and units.
     quantities: tuple[Quantity, ...]

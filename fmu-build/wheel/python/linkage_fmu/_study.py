@@ -155,7 +155,7 @@ def sweep(
         out: folder into which `sweep` writes the results (files runs.parquet and runs.csv).
         threads: number of threads. By default, one thread runs on each processor core.
         progress: True shows a progress bar. If `progress` is a function, `sweep` calls this function with two numbers:
-        finished runs and all runs.
+            finished runs and all runs.
 
     Raises:
         InputError: the study contains an error. The text of the exception describes the error.
@@ -179,8 +179,8 @@ class Optimum:
     responses: dict[str, float]
     #: Responses of the original mechanism.
     present: dict[str, float]
-    #: Largest excess of a response over a limit, divided by the limit. The attribute `violation` is 0 if the design
-    #: satisfies all limits.
+    #: Largest excess of a response over its limit, divided by the limit. If the best design satisfies all limits,
+    #: `violation` is 0.
     violation: float
     #: Reason for the end of the search.
     ended: str
