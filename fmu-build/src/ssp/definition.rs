@@ -18,15 +18,15 @@ keys! {
         /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The program does
         /// not use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the system, and of the file `<name>.ssp`. The name consists of letters, digits and underscores. The
-        /// first character must not be a digit.
+        /// Name of the system, and of the file `<name>.ssp`. The name consists of letters, digits and underscores, and
+        /// must not start with a digit.
         name: String => element().required();
         /// Description of the system, one line of text.
         description: String => line();
         /// Stop time of the default experiment of the system [s], > 0. Default: the longest stop time of the FMUs.
         stop_time: Option<f64> => number(Unit::Second, Range::Positive);
-        /// FMUs of the system by name. The name of an FMU consists of letters, digits and underscores. The first
-        /// character must not be a digit.
+        /// FMUs of the system by name. The name of an FMU consists of letters, digits and underscores, and must not
+        /// start with a digit.
         fmus: Named<Fmu> => Key::PLAIN.required();
         /// Pairs of drives and actuators, such as `["gear.actuator", "hydraulics.actuator"]`. A pair connects all
         /// variables that exist in both terminals, in both directions. A terminal has the name of its drive or

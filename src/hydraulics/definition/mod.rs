@@ -89,8 +89,7 @@ keys! {
         /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
         /// use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the FMU. The name consists of letters, digits and underscores. The first character must not be a
-        /// digit.
+        /// Name of the FMU. The name consists of letters, digits and underscores, and must not start with a digit.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;

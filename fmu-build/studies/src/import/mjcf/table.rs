@@ -44,7 +44,7 @@ pub fn group(tag: &str) -> String {
 }
 
 const POSE: &str = "position and orientation, with the angle unit and rotation order of `compiler`";
-const SOFT: &str = "limits, connections and couplings of a definition are rigid";
+const SOFT: &str = "the limits, connections and couplings in the definition are rigid";
 const TOUCH: &str = "property of contacts between bodies, which are not imported";
 const LOOK: &str = "used only for drawing, or as a name for other programs";
 const SOLVER: &str = "a setting of MuJoCo's solver that `import` does not need";
