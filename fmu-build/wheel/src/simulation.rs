@@ -179,11 +179,11 @@ impl Simulation {
         self.with(|run| run.step(h))
     }
 
-    /// Advance the simulation to the time `time` [s], with the present inputs. While `run_until` runs, other Python
-    /// threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, the simulation ends
-    /// at the first event, such as the impact on a stop, after the event has been handled. The method `run_until`
-    /// returns a list with one line of text for each event at which the simulation has ended. If the simulation has
-    /// reached `time` without an event, the list is empty.
+    /// Advance the simulation to the time `time` [s], with the present inputs. During the call of `run_until`, other
+    /// Python threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, `run_until`
+    /// stops just after the first event, such as the impact on a stop. The method `run_until` returns a list with one
+    /// line of text for each event at the end of the call. If the simulation has reached `time` without an event, the
+    /// list is empty.
     ///
     /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
