@@ -64,7 +64,7 @@ def read(source: Source) -> tuple[str, str, str]:
     try:
         return _engine.kind_of(text), "definition", text
     except UnicodeEncodeError as error:
-        raise InputError(f"source: the text has a character that UTF-8 has not: {error}") from None
+        raise InputError(f"source: the text contains a character that UTF-8 cannot represent: {error}") from None
 
 
 def check(source: Source) -> Report:

@@ -159,10 +159,11 @@ class Result(np.ndarray[Any, Any]):
             InputError: the inputs of the simulation changed over time. The web page can show only constant inputs.
         """
         if self._origin is None or not len(self):
-            raise InputError("this array is no whole result of simulate, and cannot be animated")
+            raise InputError("only a complete result of simulate can be animated, and this array is only a part of a
+            result")
         mechanism, start_values, has_input = self._origin
         if has_input:
-            raise InputError("a run with input signals cannot be animated; use mechanism.view(start_values=...)")
+            raise InputError("a run with inputs over time cannot be animated; use mechanism.view(start_values=...)")
         return mechanism.view(float(self["time"][-1]), start_values, height)
 
     def _repr_html_(self) -> str | None:

@@ -111,14 +111,14 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
     sections: dict[str, Any] = {}
     for part in parts:
         if not isinstance(part, tuple) or len(part) != 4:
-            wrong("parts", part, "a part, as body, pin, slide and the like return")
+            wrong("parts", part, "a part that build.body, build.pin, build.slide or a similar function returns")
     for section, own, values, _ in parts:
         if section == "start":
             sections["start"] = values
             continue
         target = bodies if section == "bodies" else sections.setdefault(section, {})
         if own in target and not (section == "bodies" and own == "ground"):
-            raise InputError(f"{section}.{own}: there are two parts with this name; rename one")
+            raise InputError(f"{section}.{own}: two parts have this name; rename one of the two parts")
         target[own] = dict(values)
     for section, own, _, places in parts:
         for body_name, (point, at) in places.items():
