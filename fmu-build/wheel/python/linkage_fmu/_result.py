@@ -159,8 +159,7 @@ class Result(np.ndarray[Any, Any]):
             InputError: the inputs of the simulation changed over time. The web page can show only constant inputs.
         """
         if self._origin is None or not len(self):
-            raise InputError("only a complete result of simulate can be animated, and this array is only a part of a
-            result")
+            raise InputError("only a complete result of simulate can be animated, not a part of a result")
         mechanism, start_values, has_input = self._origin
         if has_input:
             raise InputError("a run with inputs over time cannot be animated; use mechanism.view(start_values=...)")
