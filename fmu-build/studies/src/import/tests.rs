@@ -129,7 +129,7 @@ fn written(table: &[Row]) -> String {
             Fate::NoEffect => format!("no effect on the motion: {why}"),
             Fate::LeftOut => format!("left out, with a note: {why}"),
             Fate::Rejected("") => format!("rejected: {why}"),
-            Fate::Rejected(unless) => format!("rejected, unless `{unless}`: {why}"),
+            Fate::Rejected(unless) => format!("rejected, except for the value `{unless}`: {why}"),
         };
         writeln!(text, "| {} | {} | {fate} |", code(elements), code(names)).unwrap();
     }
