@@ -32,19 +32,19 @@ def read(source: Source) -> tuple[str, str, str]:
     try:
         return _engine.kind_of(text), "definition", text
     except UnicodeEncodeError as error:
-        raise InputError(f"source: the text has a character that UTF-8 has not: {error}") from None
+        raise InputError(f"source: the text contains a character that UTF-8 cannot represent: {error}") from None
 
 
 def check(source: Source) -> Report:
-    """Check a definition. The report contains all findings (errors and warnings) and computed facts about the
-    mechanism, also if the definition has errors.
+    """Check a definition of a mechanism. Return a `Report` with all errors and warnings, and with computed facts about
+    the mechanism. A definition with errors raises no exception.
 
     Args:
         source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
             FMU. The definition can also be a dict or a JSON text.
 
     Raises:
-        InputError: the path in `source` leads to no definition.
+        InputError: no definition exists at the path in `source`.
     """
     kind, shown, text = read(source)
     return report(kind, text, shown)
