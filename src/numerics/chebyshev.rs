@@ -130,6 +130,25 @@ impl<const K: usize> Task for Evaluation<'_, K> {
     }
 }
 
+/// Value of the first polynomial as [`polynomial`] computes it, and values of the others as [`polynomials`] does.
+#[inline(always)]
+pub fn polynomial_and_others<const K: usize>(series: &[Series; K], x: f64) -> [f64; K] {
+    processor::run(FirstAndOthers(Evaluation { series, x }))
+}
+
+/// [`polynomial_and_others`] to compute.
+struct FirstAndOthers<'a, const K: usize>(Evaluation<'a, K>);
+
+impl<const K: usize> Task for FirstAndOthers<'_, K> {
+    type Result = [f64; K];
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> Self::Result {
+        let Evaluation { series, x } = self.0;
+        std::array::from_fn(|k| if k == 0 { polynomial(&series[k], x) } else { by_residues::<A>(&series[k], x) })
+    }
+}
+
 /// Value at x: four independent Horner schemes in x^4, one for each residue of the power modulo 4.
 #[inline(always)]
 fn by_residues<A: Arithmetic>(c: &Series, x: f64) -> f64 {

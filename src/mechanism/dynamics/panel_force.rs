@@ -124,9 +124,30 @@ impl PanelForce {
     /// Hold for no sigma if the panel is on another stretch of the curve.
     #[inline(always)]
     pub fn on_stretch(&mut self, stretch: i32) {
-        if self.stretch != stretch {
+        if !self.is_of(stretch) {
             self.invalidate();
         }
+    }
+
+    /// Whether the panel is on this stretch of the curve.
+    #[inline(always)]
+    pub fn is_of(&self, stretch: i32) -> bool {
+        self.stretch == stretch
+    }
+
+    /// Become the same on a panel with tables under constant inputs as another one; stay the same elsewhere. What is
+    /// summed up for a step is not summed up again for outputs.
+    pub fn adopt(&mut self, other: &Self) {
+        if !(other.exact.is_empty() && other.rates.is_empty()) {
+            return;
+        }
+        let Self { low, high, center, inverse, offset, panel, stretch, revolutions, force, .. } = *other;
+        (self.low, self.high, self.center, self.inverse, self.offset) = (low, high, center, inverse, offset);
+        (self.panel, self.stretch, self.revolutions, self.force) = (panel, stretch, revolutions, force);
+        self.reactions.clone_from(&other.reactions);
+        self.exact.clear();
+        self.rates.clear();
+        self.lacks_slopes = false;
     }
 
     /// Whether the present panel holds sigma.

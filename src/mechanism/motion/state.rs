@@ -13,7 +13,7 @@ mod start;
 use crate::mechanism::definition::Solver;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{blows_under, state_loads};
@@ -438,7 +438,21 @@ impl State {
 
     /// Displacement of a load, counted on over whole revolutions.
     pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
+        self.displacement_near(reduced, load, &mut self.scratch.panel_force.panel())
+    }
+
+    /// [`Self::displacement`], with a search that starts at a panel, which becomes the one in the load's table.
+    #[inline]
+    pub fn displacement_near(&self, reduced: &Reduced, load: usize, panel: &mut usize) -> f64 {
         let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
-        reduced.displacement_at(load, self.sigma, self.scratch.panel_force.panel()) + growth
+        reduced.displacement_from(load, self.sigma, panel) + growth
+    }
+
+    /// The applied loads on the present panel, as the last step has them, if the same inputs are in force.
+    #[inline]
+    pub fn panel_force(&self, reduced: &Reduced, air: bool) -> Option<&PanelForce> {
+        let Scratch { panel_force, air: of_step, .. } = &self.scratch;
+        let is_same = self.in_force.is_some() && self.prescribed.is_none() && *of_step == air;
+        (is_same && panel_force.is_of(reduced.stretch) && panel_force.holds(self.sigma)).then_some(panel_force)
     }
 }

@@ -21,19 +21,17 @@ pub struct OutputCache<N: Differentiable> {
     pub forces: Option<Forces<N>>,
     /// Number of the state and the inputs: each change of them has another one.
     pub version: u64,
-    /// The functions of sigma whose tables have their first two derivatives, with these derivatives and the version for
-    /// which they were evaluated: coordinates, then x and y of each marker.
-    pub functions: Vec<(u64, [N; 3])>,
-    /// Panel in which sigma was last, in the table read last.
+    /// The functions of sigma whose tables have their first two derivatives, with these derivatives: coordinates, then
+    /// x and y of each marker.
+    pub functions: Vec<Found<[N; 3]>>,
+    /// Panel in which sigma was last, in the table of the influences.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
     /// The drive asked for last at the rigid stop at each end of the travel.
     pub ends: [Option<DriveEnd>; 2],
-    /// Displacement of each load, once evaluated in this state; else NaN.
-    pub displacements: Vec<f64>,
-    /// Whether there is one.
-    pub has_displacements: bool,
+    /// Displacement of each load.
+    pub displacements: Vec<Found<f64>>,
     /// Reaction of each joint, once evaluated in this state.
     pub reactions: Vec<Option<[N; 3]>>,
     /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
@@ -52,6 +50,23 @@ pub struct OutputCache<N: Differentiable> {
     pub computed: Computed,
     /// Scratch of the equation of motion.
     pub scratch: Scratch<N>,
+}
+
+/// What a table has at sigma.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<T> {
+    /// [`OutputCache::version`] of the state in which the values were found; 0 where none were.
+    pub version: u64,
+    /// Panel in which sigma was last.
+    pub panel: usize,
+    pub values: T,
+}
+
+impl<T> Found<T> {
+    /// Not found yet.
+    fn blank(values: T) -> Self {
+        Self { version: 0, panel: 0, values }
+    }
 }
 
 /// What terms of one drive share, with S its displacement.
@@ -107,12 +122,11 @@ impl<N: Differentiable> OutputCache<N> {
             direction,
             forces: None,
             version: 1,
-            functions: vec![(0, [N::constant(0.0); 3]); reduced.functions()],
+            functions: vec![Found::blank([N::constant(0.0); 3]); reduced.functions()],
             panel: 0,
             drive: None,
             ends: [None; 2],
-            displacements: vec![f64::NAN; reduced.loading().loads.len()],
-            has_displacements: false,
+            displacements: vec![Found::blank(0.0); reduced.loading().loads.len()],
             reactions: vec![None; reduced.linkage().joints.len()],
             groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
             transmitted: vec![None; reduced.loading().meshes.len()],
@@ -137,10 +151,6 @@ impl<N: Differentiable> OutputCache<N> {
     pub fn invalidate(&mut self) {
         (self.forces, self.drive) = (None, None);
         self.version += 1;
-        if self.has_displacements {
-            self.displacements.fill(f64::NAN);
-            self.has_displacements = false;
-        }
         if let Some((_, is_known)) = &mut self.network {
             *is_known = false;
         }

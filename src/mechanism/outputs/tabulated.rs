@@ -2,13 +2,14 @@
 //!
 //! In: a view of a state, a table. Out: values with their derivatives along the direction. It must not know which
 //! output asks.
+use crate::mechanism::outputs::cache::Found;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::numerics::chebyshev::slopes_of;
 use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
-impl<N: Reading> View<'_, N> {
-    /// Position of sigma in a table: mostly on the panel on which it is in the table read last.
+impl<'a, N: Reading> View<'a, N> {
+    /// Position of sigma in a table: mostly on the panel on which it is in the table of the influences.
     #[inline]
     pub fn position(&self, table: &Table) -> TablePosition {
         table.position_near(self.state.sigma, self.cache.panel)
@@ -42,28 +43,48 @@ impl<N: Reading> View<'_, N> {
         [self.before_derivative(table, position, component), self.component(table, position, component + 1)]
     }
 
+    /// The table of a load's displacement, with the position of sigma in it.
+    ///
+    /// # Errors
+    /// As [`Reduced::displacement_near`](crate::mechanism::reduced::Reduced::displacement_near).
+    #[inline]
+    pub fn displacement_table(&mut self, load: usize) -> Result<(&'a Table, TablePosition), OutputError> {
+        let found = &mut self.cache.displacements[load];
+        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, found.panel)?;
+        found.panel = position.panel;
+        Ok((table, position))
+    }
+
     /// Displacement of a load, counted on over whole revolutions; found once for a state.
     #[inline]
     pub fn displaced(&mut self, load: usize) -> f64 {
-        let known = self.cache.displacements[load];
-        if !known.is_nan() {
-            return known;
+        let (found, version) = (&mut self.cache.displacements[load], self.cache.version);
+        if found.version != version {
+            found.values = self.state.displacement_near(self.reduced, load, &mut found.panel);
+            found.version = version;
         }
-        let value = self.state.displacement(self.reduced, load);
-        (self.cache.displacements[load], self.cache.has_displacements) = (value, true);
-        value
+        found.values
     }
 
     /// S_sigma of a sized load.
-    pub fn influence(&self, load: usize) -> N {
+    pub fn influence(&mut self, load: usize) -> N {
+        let (table, position) = self.influence_table();
+        self.component(table, position, load)
+    }
+
+    /// The table of the influences, with the position of sigma in it.
+    #[inline]
+    fn influence_table(&mut self) -> (&'a Table, TablePosition) {
         let table = self.reduced.influence();
-        self.component(table, self.position(table), load)
+        let position = self.position(table);
+        self.cache.panel = position.panel;
+        (table, position)
     }
 
     /// Time derivative of one of the functions of the cache: all its orders are evaluated when one is read.
     #[inline(always)]
     pub fn time_derivative(&mut self, function: usize, order: usize) -> Result<N, OutputError> {
-        let (version, values) = self.cache.functions[function];
+        let Found { version, values, .. } = self.cache.functions[function];
         let [value, slope, curvature] =
             if version == self.cache.version { values } else { self.find_function(function)? };
         Ok(match order {
@@ -81,20 +102,22 @@ impl<N: Reading> View<'_, N> {
             None => (self.reduced.coordinates()?, 3 * function),
             Some(of_marker) => (self.reduced.marker(of_marker / 2)?, 3 * (of_marker % 2)),
         };
-        let position = self.position(table);
-        self.cache.panel = position.panel;
+        let position = table.position_near(self.state.sigma, self.cache.functions[function].panel);
         // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
-        let value = self.before_derivative(table, position, first);
-        let [slope, curvature] = self.with_derivative(table, position, first + 1);
-        let values = [value, slope, curvature];
-        self.cache.functions[function] = (self.cache.version, values);
+        let values = if self.sigma().is_constant() {
+            table.value_and_next(position, first).map(N::constant)
+        } else {
+            let [slope, curvature] = self.with_derivative(table, position, first + 1);
+            [self.before_derivative(table, position, first), slope, curvature]
+        };
+        let (version, panel) = (self.cache.version, position.panel);
+        self.cache.functions[function] = Found { version, panel, values };
         Ok(values)
     }
 
     /// Derivative along sigma of S_sigma of a sized load.
-    pub fn influence_slope(&self, load: usize) -> N {
-        let (table, sigma) = (self.reduced.influence(), self.sigma());
-        let position = self.position(table);
+    pub fn influence_slope(&mut self, load: usize) -> N {
+        let ((table, position), sigma) = (self.influence_table(), self.sigma());
         let (a, b) = table.borders(position.panel);
         let scale = 2.0 / (b - a);
         let slopes = slopes_of(table.series(position.panel, load));

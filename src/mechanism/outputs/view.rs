@@ -131,7 +131,13 @@ impl<'a, N: Reading> View<'a, N> {
         for (k, value) in integrals.into_iter().flatten().enumerate() {
             scratch.set_integral(k, value);
         }
-        scratch.panel_force.on_stretch(reduced.stretch);
+        let panel_force = &mut scratch.panel_force;
+        panel_force.on_stretch(reduced.stretch);
+        if !(N::CARRIES || panel_force.holds(state.sigma))
+            && let Some(of_step) = state.panel_force(reduced, scratch.air)
+        {
+            panel_force.adopt(of_step);
+        }
         let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
         Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
     }
@@ -220,7 +226,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         if order == 1 && load >= reduced.loading().drives.len() {
-            let (table, position) = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+            let (table, position) = self.displacement_table(load)?;
             return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
         }
         if order > 0 {
@@ -312,7 +318,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+        let (table, position) = self.displacement_table(load)?;
         let slope = self.before_derivative(table, position, 1);
         Ok(finite(-free / slope))
     }

@@ -78,10 +78,20 @@ impl Reduced {
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
     /// close that no table resolves the second derivative. The search starts at a panel and its neighbours.
     #[inline]
-    pub fn displacement_at(&self, load: usize, sigma: f64, panel: usize) -> f64 {
+    pub fn displacement_at(&self, load: usize, sigma: f64, mut panel: usize) -> f64 {
+        self.displacement_from(load, sigma, &mut panel)
+    }
+
+    /// [`Self::displacement_at`]; the panel becomes the one that holds sigma.
+    #[inline]
+    pub fn displacement_from(&self, load: usize, sigma: f64, panel: &mut usize) -> f64 {
         let stretch = self.at(sigma);
         match stretch.displacement(load) {
-            Ok(table) => table.value(table.position_near(sigma, panel), 0),
+            Ok(table) => {
+                let position = table.position_near(sigma, *panel);
+                *panel = position.panel;
+                table.value(position, 0)
+            }
             Err(_) => self.loading().loads[load].displacement(self.linkage(), &stretch.curve().configuration(sigma))[0],
         }
     }

@@ -32,17 +32,15 @@ impl<'a> Outputs<'a> {
             values.fill(MaybeUninit::new(f64::NAN));
             return values.is_empty();
         }
-        let mut have_all = true;
-        for (output, value) in outputs.iter().zip(values) {
-            match evaluate(&mut self.view, self.loading, output) {
-                Ok(number) if number.is_finite() => value.write(number),
-                _ => {
-                    have_all = false;
-                    value.write(f64::NAN)
-                }
-            };
+        let mut sum = 0.0;
+        for (value, output) in values.iter_mut().zip(outputs) {
+            let number = evaluate(&mut self.view, self.loading, output).unwrap_or(f64::NAN);
+            // 0 for a finite number, else NaN.
+            let nothing = number - number;
+            sum += nothing;
+            value.write(number - nothing);
         }
-        have_all
+        sum == 0.0
     }
 
     /// [`Self::value`] of several outputs.
