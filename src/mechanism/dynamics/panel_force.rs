@@ -124,20 +124,26 @@ impl PanelForce {
     /// Hold for no sigma if the panel is on another stretch of the curve.
     #[inline(always)]
     pub fn on_stretch(&mut self, stretch: i32) {
-        if !self.is_of(stretch) {
+        if self.stretch != stretch {
             self.invalidate();
         }
     }
 
-    /// Whether the panel is on this stretch of the curve.
-    #[inline(always)]
-    pub fn is_of(&self, stretch: i32) -> bool {
-        self.stretch == stretch
+    /// [`Self::on_stretch`]. Where this one does not hold sigma, become the same as another one under the same inputs
+    /// that does: what was summed up for outputs is not summed up again for a step, nor the other way round.
+    #[inline]
+    pub fn share(&mut self, other: Option<&Self>, stretch: i32, sigma: f64) {
+        self.on_stretch(stretch);
+        let is_known = |other: &&Self| other.stretch == stretch && other.holds(sigma);
+        if !self.holds(sigma)
+            && let Some(other) = other.filter(is_known)
+        {
+            self.copy_panel(other);
+        }
     }
 
-    /// Become the same on a panel with tables under constant inputs as another one; stay the same elsewhere. What is
-    /// summed up for a step is not summed up again for outputs.
-    pub fn adopt(&mut self, other: &Self) {
+    /// Become the same as another one on a panel with a table, under inputs that do not change with time.
+    fn copy_panel(&mut self, other: &Self) {
         if !(other.exact.is_empty() && other.rates.is_empty()) {
             return;
         }

@@ -166,12 +166,19 @@ impl State {
     }
 
     /// Advance by exactly `h` [s] under these inputs, or to the first event if the witness pauses there. On an error
-    /// the state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached.
+    /// the state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached. `known`:
+    /// what outputs have evaluated last under these inputs.
     ///
     /// # Errors
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
     /// the work of the step met its bound.
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<Reached, ModelError> {
+    pub fn step(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        (h, solver): (f64, &Solver),
+        known: &Scratch,
+    ) -> Result<Reached, ModelError> {
         if self.is_prescribed(inputs) {
             return self.step_prescribed(reduced, inputs, h, solver);
         }
@@ -193,6 +200,9 @@ impl State {
             None => self.apply(reduced, inputs, h)?,
         };
         let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
+        let has_same = !ahead && self.prescribed.is_none() && known.air == self.scratch.air;
+        let known = has_same.then_some(&known.panel_force);
+        self.scratch.panel_force.share(known, reduced.at(self.sigma).stretch, self.saved.sigma);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
@@ -284,7 +294,6 @@ impl State {
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
-        scratch.panel_force.on_stretch(reduced.stretch);
         let dynamics = &mut EquationOfMotion {
             whole,
             reduced,
@@ -448,11 +457,10 @@ impl State {
         reduced.displacement_from(load, self.sigma, panel) + growth
     }
 
-    /// The applied loads on the present panel, as the last step has them, if the same inputs are in force.
+    /// The applied loads on the panel of the last step, if the same inputs are in force, with air or not.
     #[inline]
-    pub fn panel_force(&self, reduced: &Reduced, air: bool) -> Option<&PanelForce> {
-        let Scratch { panel_force, air: of_step, .. } = &self.scratch;
-        let is_same = self.in_force.is_some() && self.prescribed.is_none() && *of_step == air;
-        (is_same && panel_force.is_of(reduced.stretch) && panel_force.holds(self.sigma)).then_some(panel_force)
+    pub fn panel_force(&self, air: bool) -> Option<&PanelForce> {
+        let is_same = self.in_force.is_some() && self.prescribed.is_none() && self.scratch.air == air;
+        is_same.then_some(&self.scratch.panel_force)
     }
 }

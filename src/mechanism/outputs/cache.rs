@@ -164,11 +164,11 @@ impl<N: Differentiable> OutputCache<N> {
     }
 }
 
-/// Sizes of what causes reactions besides the applied loads as they are: a joint's reaction is the sum of these times
-/// its reactions to each of size 1.
+/// Sizes of what causes reactions: a joint's reaction is the sum of these times its reactions to each of size 1.
 #[derive(Clone, Debug)]
 pub struct Shares<N> {
-    /// sigma_ddot, sigma_dot^2, delivered forces that the state decides, forces of springs.
+    /// sigma_ddot, sigma_dot^2, delivered forces that the state decides, forces of springs, then the applied loads that
+    /// act, or 1 for the sum of many.
     pub given: Vec<N>,
     /// Loads that the state sizes.
     pub state: Vec<N>,
@@ -252,7 +252,7 @@ impl PresentLoads {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
-    /// The sizes have changed: the reactions to the applied loads are no longer known.
+    /// The sizes have changed: other applied loads may act.
     pub fn invalidate(&mut self) {
         self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
     }
@@ -264,15 +264,12 @@ impl PresentLoads {
 pub struct GroupReactions {
     /// Number of parts - force x, force y, moment - of the joint with the most.
     pub parts: usize,
-    /// The reactions to all applied loads as they are, then to what [`Shares::given`] multiplies.
+    /// The reactions to what [`Shares::given`] multiplies.
     pub given: GroupRows,
-    /// Whether the first term is that of the present sizes.
+    /// Whether the terms of the applied loads are those of the present sizes.
     pub has_applied: bool,
-    /// The loads of which the reactions to size 1 are kept on this panel, so that another size needs sums alone; none
-    /// where many act.
+    /// The applied loads that have terms; none where so many act that their sum is one term.
     pub kept: Vec<usize>,
-    /// These reactions, load by load.
-    pub units: Vec<Row>,
     /// The reactions to the loads that the state sizes, which [`Shares::state`] multiplies.
     pub state: GroupRows,
     /// Whether the loads that the state sizes include those of moving air.
@@ -342,7 +339,6 @@ impl GroupRows {
     /// Enter the panels at sigma of the joints' tables, without polynomials. Where a joint has no table the others hold
     /// at sigma alone, so that it is asked for again elsewhere.
     pub fn enter(&mut self, tables: &[Option<PanelTable>], sigma: f64) {
-        self.rows.clear();
         (self.low, self.high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (joint, piece) in tables.iter().enumerate() {
             self.is_resolved[joint] = piece.is_some();

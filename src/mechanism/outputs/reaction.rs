@@ -5,7 +5,7 @@
 use crate::mechanism::loads::resolved::Mesh;
 use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, OutputCache, PARTS};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
-use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
+use crate::mechanism::outputs::terms::{Causes, MOST_TERMS, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::{PanelTable, Reduced};
@@ -128,6 +128,12 @@ impl<'a, N: Reading> View<'a, N> {
         if self.reduced.sums_springs() {
             given.push(N::constant(1.0));
         }
+        // The polynomials have the values of the inputs, without their derivatives.
+        let acting = self.causes().acting(&self.loads.sizes);
+        match acting.clone().count() {
+            0..=MOST_TERMS => given.extend(acting.map(|(_, size)| N::constant(size))),
+            _ => given.push(N::constant(1.0)),
+        }
         let shares = &mut self.cache.shares;
         (shares.given, shares.are_known) = (given, true);
         shares.state.clear();
@@ -186,11 +192,9 @@ impl<'a, N: Reading> View<'a, N> {
         let sigma = self.sigma();
         let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
         let OutputCache { groups, shares, has_reactions, .. } = &mut *self.cache;
-        // The first term is that of the applied loads as they are.
-        let (applied, terms) = given.rows.split_at(*parts);
-        let of_given = sum_at(applied, (terms, *parts), &shares.given, given.x(sigma));
+        let of_given = sum_at((&given.rows, *parts), &shares.given, given.x(sigma));
         let of_state = if acts {
-            sum_at(&[], (&state.rows, *parts), &shares.state, state.x(sigma))
+            sum_at((&state.rows, *parts), &shares.state, state.x(sigma))
         } else {
             [[N::constant(0.0); ROW]; PARTS]
         };
@@ -198,8 +202,7 @@ impl<'a, N: Reading> View<'a, N> {
         *has_reactions = true;
     }
 
-    /// Add to a joint's reaction its change with the inputs along the direction: the polynomials have the values of the
-    /// inputs, without their derivatives.
+    /// Add to a joint's reaction its change with the inputs along the direction, which the sizes of terms do not have.
     fn add_changes(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
         if N::CARRIES {
             let decided = self.causes().decided();

@@ -120,7 +120,7 @@ impl ReducedMotion {
         solver: &Solver,
     ) -> Result<Reached, ModelError> {
         let revolutions = self.state.revolutions;
-        match self.state.step(reduced, inputs, h, solver) {
+        match self.state.step(reduced, inputs, (h, solver), &self.cache.scratch) {
             Ok(reached) => {
                 self.state.pass(point, reached.time(h));
                 self.invalidate(revolutions);

@@ -47,7 +47,7 @@ impl<'a, N: Reading> View<'a, N> {
     ///
     /// # Errors
     /// As [`Reduced::displacement_near`](crate::mechanism::reduced::Reduced::displacement_near).
-    #[inline]
+    #[inline(always)]
     pub fn displacement_table(&mut self, load: usize) -> Result<(&'a Table, TablePosition), OutputError> {
         let found = &mut self.cache.displacements[load];
         let (table, position) = self.reduced.displacement_near(load, self.state.sigma, found.panel)?;

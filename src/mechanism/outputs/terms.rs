@@ -3,13 +3,15 @@
 //! In: the reduced model, sigma, the sizes of the applied loads. Out: the terms of a group of joints on the present
 //! panels. It must not know the numbers in which they are read.
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::outputs::cache::{GroupReactions, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, PARTS, PresentLoads};
 use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
-use crate::numerics::bundle::{ROW, Row, sum_rows};
+use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::table::Unresolved;
 use std::ops::Range;
 
+/// Most applied loads that have a term each. The sum of more is one term, which is new when one of them changes.
+pub const MOST_TERMS: usize = 8;
 /// A function that vanishes.
 const ZERO: &Series = &[0.0; NODES];
 
@@ -66,24 +68,25 @@ impl<'a> Causes<'a> {
         std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| parts_of(self.reduced, joint)))
     }
 
+    /// The applied loads that act and whose delivered force the state does not decide, with their sizes.
+    pub fn acting<'s>(&self, sizes: &'s [f64]) -> impl Iterator<Item = (usize, f64)> + Clone + use<'a, 's> {
+        let (decided, sized) = (self.decided(), &sizes[..self.reduced.components().sized]);
+        let sized = sized.iter().copied().enumerate();
+        sized.filter(move |(load, size)| *size != 0.0 && !decided.contains(load))
+    }
+
     /// Take the polynomials of a group of joints at sigma for all but the loads that the state sizes, under the present
     /// sizes of the applied loads.
     #[cold]
     #[inline(never)]
     pub fn enter_given(&self, loads: &mut PresentLoads, group: usize) {
-        let decided = self.decided();
-        let PresentLoads { sizes, reactions, .. } = loads;
-        let sized = sizes[..self.reduced.components().sized].iter().copied().enumerate();
-        let acting = sized.filter(|(load, size)| *size != 0.0 && !decided.contains(load));
-        let reactions = &mut reactions[group];
+        let acting = self.acting(&loads.sizes);
+        let reactions = &mut loads.reactions[group];
         reactions.has_applied = true;
-        let is_kept =
-            || !reactions.kept.is_empty() && acting.clone().map(|(load, _)| load).eq(reactions.kept.iter().copied());
-        if !(reactions.given.holds(self.sigma) && is_kept()) {
-            return self.enter_panel(reactions, acting, group);
+        let kept = reactions.kept.iter().copied();
+        if kept.len() == 0 || !reactions.given.holds(self.sigma) || !acting.clone().map(|(load, _)| load).eq(kept) {
+            self.enter_panel(reactions, acting, group);
         }
-        let GroupReactions { parts, given, kept, units, .. } = reactions;
-        sum_rows(&mut given.rows[..*parts], kept.iter().map(|&load| sizes[load]), units);
     }
 
     /// [`Self::enter_given`] from the tables.
@@ -93,45 +96,40 @@ impl<'a> Causes<'a> {
         acting: impl Iterator<Item = (usize, f64)> + Clone,
         group: usize,
     ) {
-        /// Loads of which the reactions are kept.
-        const MOST_KEPT: usize = 8;
         let Self { reduced, sigma, .. } = *self;
         let joints = joints_of(reduced, group);
         let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
-        let most = joints.clone().map(|joint| parts_of(reduced, joint)).max().unwrap_or(0);
+        let most = joints.clone().map(|joint| parts_of(reduced, joint)).max().unwrap_or(1);
         let (lengths, columns) = (self.lengths(group), reduced.reaction_terms());
-        let GroupReactions { parts, given, kept, units, .. } = reactions;
-        let row = |panels: &[usize; ROW], part: usize, column: usize| {
-            Row::of(std::array::from_fn(|k| match tables[k] {
-                Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
-                _ => ZERO,
-            }))
-        };
+        let GroupReactions { parts, given, kept, .. } = reactions;
         *parts = most;
         if !given.holds(sigma) {
             given.enter(&tables[..joints.len()], sigma);
-            given.rows.resize(most, Row::ZERO);
-            for column in self.given_columns() {
-                given.rows.extend((0..most).map(|part| row(&given.panels, part, column)));
-            }
         }
+        let GroupRows { panels, rows, .. } = given;
+        let functions = |part: usize, column: usize| -> [&Series; ROW] {
+            std::array::from_fn(|k| match tables[k] {
+                Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
+                _ => ZERO,
+            })
+        };
+        let (terms, count) = (self.given_columns(), acting.clone().count());
+        let own = if count <= MOST_TERMS { count } else { 0 };
         kept.clear();
-        units.clear();
-        let keeps = acting.clone().count() <= MOST_KEPT;
-        let most_kept = reduced.components().sized.min(MOST_KEPT);
-        kept.reserve_exact(most_kept);
-        units.reserve_exact(most_kept * most);
-        if keeps {
-            kept.extend(acting.clone().map(|(load, _)| load));
-            for &load in kept.iter() {
-                units.extend((0..most).map(|part| row(&given.panels, part, 2 + load)));
-            }
-            return sum_rows(&mut given.rows[..most], acting.map(|(_, size)| size), units);
+        kept.reserve_exact(MOST_TERMS.min(reduced.components().sized));
+        kept.extend(acting.clone().map(|(load, _)| load).take(own));
+        let first = most * terms.clone().count();
+        rows.reserve_exact((first + most * MOST_TERMS.min(reduced.components().sized)).saturating_sub(rows.len()));
+        rows.resize(first + most * own, Row::ZERO);
+        let terms = terms.chain(kept.iter().map(|load| 2 + load));
+        for (column, rows) in terms.zip(rows.chunks_exact_mut(most)) {
+            rows.iter_mut().enumerate().for_each(|(part, row)| row.set(functions(part, column)));
         }
-        given.rows[..most].fill(Row::ZERO);
-        for (load, size) in acting {
-            for (part, sum) in given.rows[..most].iter_mut().enumerate() {
-                sum.add(size, &row(&given.panels, part, 2 + load));
+        if own < count {
+            rows.resize(first + most, Row::ZERO);
+            for (load, size) in acting {
+                let sums = rows[first..].iter_mut().enumerate();
+                sums.for_each(|(part, sum)| sum.add(size, &Row::of(functions(part, 2 + load))));
             }
         }
     }
@@ -149,6 +147,7 @@ impl<'a> Causes<'a> {
         let (columns, first) = (reduced.loading().loads.len() - base, 2 + base);
         let GroupReactions { parts, state, air: of_air, .. } = &mut loads.reactions[group];
         state.enter(&tables[..joints.len()], sigma);
+        state.rows.clear();
         for column in own {
             for part in 0..*parts {
                 let series = |k: usize| match tables[k] {

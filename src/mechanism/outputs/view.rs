@@ -131,13 +131,8 @@ impl<'a, N: Reading> View<'a, N> {
         for (k, value) in integrals.into_iter().flatten().enumerate() {
             scratch.set_integral(k, value);
         }
-        let panel_force = &mut scratch.panel_force;
-        panel_force.on_stretch(reduced.stretch);
-        if !(N::CARRIES || panel_force.holds(state.sigma))
-            && let Some(of_step) = state.panel_force(reduced, scratch.air)
-        {
-            panel_force.adopt(of_step);
-        }
+        let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
+        scratch.panel_force.share(of_step, reduced.stretch, state.sigma);
         let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
         Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
     }
