@@ -32,14 +32,12 @@ pub struct OutputCache<N: Differentiable> {
     pub ends: [Option<DriveEnd>; 2],
     /// Displacement of each load.
     pub displacements: Vec<Found<f64>>,
-    /// Reaction of each joint, once evaluated in this state.
-    pub reactions: Vec<Option<[N; 3]>>,
-    /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
-    pub transmitted: Vec<Option<N>>,
+    /// Reaction of each joint, with the version for which it was evaluated.
+    pub reactions: Vec<(u64, [N; 3])>,
+    /// Force that each mesh of teeth transmits along the motion, with the version for which it was evaluated.
+    pub transmitted: Vec<(u64, N)>,
     /// What the reactions of the joints of each group are without what holds the mechanism.
     pub groups: Vec<GroupValues<N>>,
-    /// Whether a reaction has been evaluated in this state.
-    pub has_reactions: bool,
     /// What reactions are sums of, once one has been evaluated in this state.
     pub shares: Shares<N>,
     /// Reactions that have no table.
@@ -127,11 +125,10 @@ impl<N: Differentiable> OutputCache<N> {
             drive: None,
             ends: [None; 2],
             displacements: vec![Found::blank(0.0); reduced.loading().loads.len()],
-            reactions: vec![None; reduced.linkage().joints.len()],
+            reactions: vec![(0, [N::constant(0.0); PARTS]); reduced.linkage().joints.len()],
             groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
-            transmitted: vec![None; reduced.loading().meshes.len()],
-            has_reactions: false,
-            shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
+            transmitted: vec![(0, N::constant(0.0)); reduced.loading().meshes.len()],
+            shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, version: 0 },
             exact: ExactReactions::default(),
             network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
             computed: Computed::default(),
@@ -154,13 +151,6 @@ impl<N: Differentiable> OutputCache<N> {
         if let Some((_, is_known)) = &mut self.network {
             *is_known = false;
         }
-        if self.has_reactions {
-            self.reactions.fill(None);
-            self.transmitted.fill(None);
-            self.groups.iter_mut().for_each(|group| group.are_known = false);
-            self.has_reactions = false;
-        }
-        self.shares.are_known = false;
     }
 }
 
@@ -174,8 +164,8 @@ pub struct Shares<N> {
     pub state: Vec<N>,
     /// Whether one of these is or becomes other than 0.
     pub acts: bool,
-    /// Whether they are those of this state.
-    pub are_known: bool,
+    /// The version for which they were evaluated.
+    pub version: u64,
 }
 
 /// A direction: state and inputs as functions of one parameter s, at s = 0.
@@ -232,6 +222,10 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 pub struct PresentLoads {
     /// Sizes of the loads.
     pub sizes: Vec<f64>,
+    /// The loads that act under these sizes and whose delivered force the state does not decide.
+    pub acting: Vec<usize>,
+    /// Whether these are known.
+    pub knows_acting: bool,
     /// Reactions of the joints, group by group, to the loads of these sizes and to all else.
     pub reactions: Vec<GroupReactions>,
     /// Why no force of its drive makes the prescribed motion; none if there is one, or no motion is prescribed.
@@ -240,7 +234,8 @@ pub struct PresentLoads {
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        Self { sizes, reactions: vec![GroupReactions::default(); joints.div_ceil(ROW)], undriven: None }
+        let (acting, reactions) = (Vec::with_capacity(sizes.len()), vec![GroupReactions::default(); joints.div_ceil(ROW)]);
+        Self { sizes, acting, knows_acting: false, reactions, undriven: None }
     }
 
     /// Whether there is a force of its drive for a prescribed motion.
@@ -254,6 +249,7 @@ impl PresentLoads {
 
     /// The sizes have changed: other applied loads may act.
     pub fn invalidate(&mut self) {
+        self.knows_acting = false;
         self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
     }
 }
@@ -279,8 +275,8 @@ pub struct GroupReactions {
 /// Parts of the reactions of a group of joints, without those to what holds the mechanism.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupValues<N> {
-    /// Whether they are those of this state.
-    pub are_known: bool,
+    /// The version for which they were evaluated.
+    pub version: u64,
     /// Sums over [`GroupReactions::given`], part by part, joint by joint.
     pub given: [[N; ROW]; PARTS],
     /// Sums over [`GroupReactions::state`]; 0 where none of these loads acts.
@@ -291,7 +287,7 @@ impl<N: Number> GroupValues<N> {
     /// Not known yet.
     fn unknown() -> Self {
         let zero = [[N::constant(0.0); ROW]; PARTS];
-        Self { are_known: false, given: zero, state: zero }
+        Self { version: 0, given: zero, state: zero }
     }
 }
 

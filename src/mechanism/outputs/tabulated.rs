@@ -5,7 +5,10 @@
 use crate::mechanism::outputs::cache::Found;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::quantity::Output;
+use crate::mechanism::reduced::Reduced;
 use crate::numerics::chebyshev::slopes_of;
+use crate::numerics::processor::{self, Arithmetic, Task};
 use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
 impl<'a, N: Reading> View<'a, N> {
@@ -46,7 +49,7 @@ impl<'a, N: Reading> View<'a, N> {
     /// The table of a load's displacement, with the position of sigma in it.
     ///
     /// # Errors
-    /// As [`Reduced::displacement_near`](crate::mechanism::reduced::Reduced::displacement_near).
+    /// As [`Reduced::displacement_near`].
     #[inline(always)]
     pub fn displacement_table(&mut self, load: usize) -> Result<(&'a Table, TablePosition), OutputError> {
         let found = &mut self.cache.displacements[load];
@@ -97,22 +100,25 @@ impl<'a, N: Reading> View<'a, N> {
     /// A function with its first two derivatives along sigma.
     #[inline(never)]
     fn find_function(&mut self, function: usize) -> Result<[N; 3], OutputError> {
+        if self.sigma().is_constant() {
+            return processor::run(Functions { view: self, functions: &[function] });
+        }
+        let (table, position, first) = self.function_table(function)?;
+        let [slope, curvature] = self.with_derivative(table, position, first + 1);
+        let values = [self.before_derivative(table, position, first), slope, curvature];
+        self.cache.functions[function] = Found { version: self.cache.version, panel: position.panel, values };
+        Ok(values)
+    }
+
+    /// The table of a function, the position of sigma in it, and the function's first component.
+    #[inline(always)]
+    fn function_table(&self, function: usize) -> Result<(&'a Table, TablePosition, usize), OutputError> {
         let coordinates = self.reduced.linkage().coordinates.len();
         let (table, first) = match function.checked_sub(coordinates) {
             None => (self.reduced.coordinates()?, 3 * function),
             Some(of_marker) => (self.reduced.marker(of_marker / 2)?, 3 * (of_marker % 2)),
         };
-        let position = table.position_near(self.state.sigma, self.cache.functions[function].panel);
-        // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
-        let values = if self.sigma().is_constant() {
-            table.value_and_next(position, first).map(N::constant)
-        } else {
-            let [slope, curvature] = self.with_derivative(table, position, first + 1);
-            [self.before_derivative(table, position, first), slope, curvature]
-        };
-        let (version, panel) = (self.cache.version, position.panel);
-        self.cache.functions[function] = Found { version, panel, values };
-        Ok(values)
+        Ok((table, table.position_near(self.state.sigma, self.cache.functions[function].panel), first))
     }
 
     /// Derivative along sigma of S_sigma of a sized load.
@@ -122,5 +128,50 @@ impl<'a, N: Reading> View<'a, N> {
         let scale = 2.0 / (b - a);
         let slopes = slopes_of(table.series(position.panel, load));
         polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
+    }
+}
+
+impl View<'_, f64> {
+    /// Find functions that are read together. Where one has no table, those after it are found when they are read.
+    pub fn find_functions(&mut self, functions: &[usize]) {
+        _ = processor::run(Functions { view: self, functions });
+    }
+}
+
+/// Functions to evaluate where sigma carries no derivatives; the result is the last one.
+struct Functions<'v, 'a, N: Reading> {
+    view: &'v mut View<'a, N>,
+    functions: &'v [usize],
+}
+
+impl<N: Reading> Task for Functions<'_, '_, N> {
+    type Result = Result<[N; 3], OutputError>;
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> Self::Result {
+        let (mut values, version) = ([N::constant(0.0); 3], self.view.cache.version);
+        for &function in self.functions {
+            let (table, position, first) = self.view.function_table(function)?;
+            // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
+            values = table.value_and_next::<A, 3>(position, first).map(N::constant);
+            self.view.cache.functions[function] = Found { version, panel: position.panel, values };
+        }
+        Ok(values)
+    }
+}
+
+/// Index among the functions of x (axis 0) or y (axis 1) of a marker.
+#[inline(always)]
+pub fn of_marker(reduced: &Reduced, marker: usize, axis: usize) -> usize {
+    reduced.linkage().coordinates.len() + 2 * marker + axis
+}
+
+/// The function of which an output is a time derivative, if it is one but for a constant.
+pub fn function_of(reduced: &Reduced, output: &Output) -> Option<usize> {
+    match *output {
+        Output::Angle { body, .. } => reduced.linkage().bodies[body].angle_coordinate,
+        Output::JointPosition { coordinate, .. } => Some(coordinate),
+        Output::Marker { marker, axis, .. } => Some(of_marker(reduced, marker, axis)),
+        _ => None,
     }
 }

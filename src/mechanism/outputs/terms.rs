@@ -68,11 +68,15 @@ impl<'a> Causes<'a> {
         std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| parts_of(self.reduced, joint)))
     }
 
-    /// The applied loads that act and whose delivered force the state does not decide, with their sizes.
-    pub fn acting<'s>(&self, sizes: &'s [f64]) -> impl Iterator<Item = (usize, f64)> + Clone + use<'a, 's> {
-        let (decided, sized) = (self.decided(), &sizes[..self.reduced.components().sized]);
-        let sized = sized.iter().copied().enumerate();
-        sized.filter(move |(load, size)| *size != 0.0 && !decided.contains(load))
+    /// Find the applied loads that act under the present sizes, unless they are known.
+    #[inline]
+    pub fn find_acting(&self, loads: &mut PresentLoads) {
+        let PresentLoads { sizes, acting, knows_acting, .. } = loads;
+        if !std::mem::replace(knows_acting, true) {
+            let acts = |load: &usize| sizes[*load] != 0.0 && !self.decided().contains(load);
+            acting.clear();
+            acting.extend((0..self.reduced.components().sized).filter(acts));
+        }
     }
 
     /// Take the polynomials of a group of joints at sigma for all but the loads that the state sizes, under the present
@@ -80,22 +84,16 @@ impl<'a> Causes<'a> {
     #[cold]
     #[inline(never)]
     pub fn enter_given(&self, loads: &mut PresentLoads, group: usize) {
-        let acting = self.acting(&loads.sizes);
-        let reactions = &mut loads.reactions[group];
+        let PresentLoads { sizes, acting, reactions, .. } = loads;
+        let reactions = &mut reactions[group];
         reactions.has_applied = true;
-        let kept = reactions.kept.iter().copied();
-        if kept.len() == 0 || !reactions.given.holds(self.sigma) || !acting.clone().map(|(load, _)| load).eq(kept) {
-            self.enter_panel(reactions, acting, group);
+        if reactions.kept.is_empty() || reactions.kept != *acting || !reactions.given.holds(self.sigma) {
+            self.enter_panel(reactions, (acting, sizes), group);
         }
     }
 
     /// [`Self::enter_given`] from the tables.
-    fn enter_panel(
-        &self,
-        reactions: &mut GroupReactions,
-        acting: impl Iterator<Item = (usize, f64)> + Clone,
-        group: usize,
-    ) {
+    fn enter_panel(&self, reactions: &mut GroupReactions, (acting, sizes): (&[usize], &[f64]), group: usize) {
         let Self { reduced, sigma, .. } = *self;
         let joints = joints_of(reduced, group);
         let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
@@ -113,24 +111,24 @@ impl<'a> Causes<'a> {
                 _ => ZERO,
             })
         };
-        let (terms, count) = (self.given_columns(), acting.clone().count());
-        let own = if count <= MOST_TERMS { count } else { 0 };
-        kept.clear();
-        kept.reserve_exact(MOST_TERMS.min(reduced.components().sized));
-        kept.extend(acting.clone().map(|(load, _)| load).take(own));
+        let (own, summed) = if acting.len() <= MOST_TERMS { (acting, &[][..]) } else { (&[][..], acting) };
+        let (terms, most_own) = (self.given_columns(), MOST_TERMS.min(reduced.components().sized));
         let first = most * terms.clone().count();
-        rows.reserve_exact((first + most * MOST_TERMS.min(reduced.components().sized)).saturating_sub(rows.len()));
-        rows.resize(first + most * own, Row::ZERO);
-        let terms = terms.chain(kept.iter().map(|load| 2 + load));
+        kept.clear();
+        kept.reserve_exact(most_own);
+        kept.extend_from_slice(own);
+        rows.reserve_exact((first + most * most_own).saturating_sub(rows.len()));
+        rows.resize(first + most * own.len(), Row::ZERO);
+        let terms = terms.chain(own.iter().map(|load| 2 + load));
         for (column, rows) in terms.zip(rows.chunks_exact_mut(most)) {
             rows.iter_mut().enumerate().for_each(|(part, row)| row.set(functions(part, column)));
         }
-        if own < count {
+        if !summed.is_empty() {
             rows.resize(first + most, Row::ZERO);
-            for (load, size) in acting {
-                let sums = rows[first..].iter_mut().enumerate();
-                sums.for_each(|(part, sum)| sum.add(size, &Row::of(functions(part, 2 + load))));
-            }
+        }
+        for load in summed {
+            let sums = rows[first..].iter_mut().enumerate();
+            sums.for_each(|(part, sum)| sum.add(sizes[*load], &Row::of(functions(part, 2 + load))));
         }
     }
 

@@ -15,6 +15,7 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
+use crate::mechanism::outputs::tabulated::of_marker;
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
@@ -248,7 +249,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
+        self.time_derivative(of_marker(self.reduced, marker, axis), order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
@@ -269,8 +270,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     #[inline(always)]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         match self.cache.reactions[joint] {
-            Some(value) => Ok(value),
-            None => self.find_reaction(joint),
+            (version, value) if version == self.cache.version => Ok(value),
+            _ => self.find_reaction(joint),
         }
     }
 

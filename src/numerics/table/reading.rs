@@ -3,6 +3,7 @@
 //! In: a table, sigma. Out: positions and values, without allocation or lock. Must not know: how a table is built.
 use super::{Table, TablePosition, polynomial};
 use crate::numerics::chebyshev::{NODES, Series, polynomial_and_others, polynomial_and_slope, polynomials};
+use crate::numerics::processor::Arithmetic;
 
 impl Table {
     /// Number of panels.
@@ -91,8 +92,8 @@ impl Table {
 
     /// Value of a component at a position, as [`Self::value`], and values of the next components, as [`Self::values`].
     #[inline(always)]
-    pub fn value_and_next<const K: usize>(&self, at: TablePosition, first: usize) -> [f64; K] {
-        polynomial_and_others(self.successive(at.panel, first), at.x)
+    pub fn value_and_next<A: Arithmetic, const K: usize>(&self, at: TablePosition, first: usize) -> [f64; K] {
+        polynomial_and_others::<A, K>(self.successive(at.panel, first), at.x)
     }
 
     /// Monomial coefficients of successive components on one panel.
