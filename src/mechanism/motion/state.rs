@@ -4,6 +4,7 @@
 //! know outputs.
 mod arrival;
 mod circuit;
+mod energy;
 mod inputs;
 mod jump;
 mod ports;
@@ -13,7 +14,7 @@ mod start;
 use crate::mechanism::definition::Solver;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{blows_under, state_loads};
@@ -200,9 +201,7 @@ impl State {
             None => self.apply(reduced, inputs, h)?,
         };
         let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
-        let has_same = !ahead && self.prescribed.is_none() && known.air == self.scratch.air;
-        let known = has_same.then_some(&known.panel_force);
-        self.scratch.panel_force.share(known, reduced.at(self.sigma).stretch, self.saved.sigma);
+        self.share(reduced, known);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
@@ -426,41 +425,5 @@ impl State {
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
         reduced.describe(self.sigma, self.revolutions)
-    }
-
-    /// Kinetic energy T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.
-    pub fn kinetic(&self) -> f64 {
-        0.5 * self.sigma_dot * self.sigma_dot
-    }
-
-    /// Potential of all loads at the applied sizes [J]: the springs' energy, less the sum of size times `displacement`.
-    pub fn load_potential(&self, reduced: &Reduced, mut displacement: impl FnMut(usize) -> f64) -> f64 {
-        let springs = reduced.loading().springs.iter();
-        let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(displacement(spring.load)));
-        for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
-            if !reduced.loading().is_command(load) {
-                sum -= size * displacement(load);
-            }
-        }
-        sum
-    }
-
-    /// Displacement of a load, counted on over whole revolutions.
-    pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
-        self.displacement_near(reduced, load, &mut self.scratch.panel_force.panel())
-    }
-
-    /// [`Self::displacement`], with a search that starts at a panel, which becomes the one in the load's table.
-    #[inline]
-    pub fn displacement_near(&self, reduced: &Reduced, load: usize, panel: &mut usize) -> f64 {
-        let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
-        reduced.displacement_from(load, self.sigma, panel) + growth
-    }
-
-    /// The applied loads on the panel of the last step, if the same inputs are in force, with air or not.
-    #[inline]
-    pub fn panel_force(&self, air: bool) -> Option<&PanelForce> {
-        let is_same = self.in_force.is_some() && self.prescribed.is_none() && self.scratch.air == air;
-        is_same.then_some(&self.scratch.panel_force)
     }
 }

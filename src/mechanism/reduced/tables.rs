@@ -25,7 +25,16 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`].
+    #[inline(always)]
     pub fn displacement(&self, index: usize) -> Result<&Table, &Unresolved> {
+        match self.tables.displacements[index].get() {
+            Some(table) => table.as_ref(),
+            None => self.tabulate_displacement(index),
+        }
+    }
+
+    #[cold]
+    fn tabulate_displacement(&self, index: usize) -> Result<&Table, &Unresolved> {
         let table = || {
             let size = self.source.derivative_sizes(self.source.displacement_size(index)).to_vec();
             let (linkage, load) = (self.linkage(), &self.loading().loads[index]);
