@@ -56,7 +56,8 @@ fn every_body_is_in_balance_under_many_and_few_loads_that_change() {
     let names: Vec<String> = (0..6).flat_map(|k| ["x", "y"].map(|axis| format!("f{k}.force_{axis}"))).collect();
     let text = changed(without_stops(), |m| {
         for k in 0..6 {
-            m["forces"][format!("f{k}")] = json!({ "at": ["coupler.end", "wheel.origin", "crank.end"][k % 3] });
+            let at = ["coupler.end", "wheel.origin", "crank.end"][k % 3];
+            m["forces"][format!("f{k}")] = json!({ "at": at });
         }
     });
     let definition = serde_json::from_str(&text).unwrap();

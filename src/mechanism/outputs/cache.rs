@@ -234,7 +234,8 @@ pub struct PresentLoads {
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        let (acting, reactions) = (Vec::with_capacity(sizes.len()), vec![GroupReactions::default(); joints.div_ceil(ROW)]);
+        let (acting, reactions) =
+            (Vec::with_capacity(sizes.len()), vec![GroupReactions::default(); joints.div_ceil(ROW)]);
         Self { sizes, acting, knows_acting: false, reactions, undriven: None }
     }
 

@@ -4,12 +4,9 @@
 //! for Newton's method: it changes a solution by rounding only. It holds within one step, so that rounding does not
 //! depend on what came before the step. It must not know the equations.
 
-/// Unknowns of the loop for joints of one group.
-pub const UNKNOWNS: usize = 3;
-
-/// The last two solutions within a step.
+/// The last two solutions within a step, in memory A for what friction adds to each unknown.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Prediction {
+pub struct Prediction<A> {
     /// Whether a step is being made.
     in_step: bool,
     /// Number of solutions known, up to 2.
@@ -17,10 +14,18 @@ pub struct Prediction {
     /// Their times [s], the last one first.
     times: [f64; 2],
     /// What friction has added to the unknowns.
-    added: [[f64; UNKNOWNS]; 2],
+    added: [A; 2],
 }
 
-impl Prediction {
+impl<A: AsRef<[f64]> + AsMut<[f64]>> Prediction<A> {
+    /// No solution known, with this memory.
+    pub fn new(memory: A) -> Self
+    where
+        A: Clone,
+    {
+        Self { in_step: false, known: 0, times: [0.0; 2], added: [memory.clone(), memory] }
+    }
+
     /// A step begins.
     pub fn begin(&mut self) {
         (self.in_step, self.known) = (true, 0);
@@ -31,32 +36,28 @@ impl Prediction {
         (self.in_step, self.known) = (false, 0);
     }
 
-    /// What friction adds at the time t [s]: on the line through the last two solutions.
-    #[inline]
-    pub fn at(&self, t: f64) -> [f64; UNKNOWNS] {
-        let ([last, before], width) = (self.added, self.times[0] - self.times[1]);
-        if self.known < 2 || width == 0.0 {
-            return last_or_none(self.known, last);
-        }
-        let part = (t - self.times[0]) / width;
-        std::array::from_fn(|k| last[k] + part * (last[k] - before[k]))
+    /// What friction adds to an unknown at the time t [s]: on the line through the last two solutions.
+    #[inline(always)]
+    pub fn at(&self, t: f64) -> impl Fn(usize) -> f64 {
+        let ([last, before], width) = (self.added.each_ref().map(A::as_ref), self.times[0] - self.times[1]);
+        let part = if self.known < 2 || width == 0.0 { 0.0 } else { (t - self.times[0]) / width };
+        let is_known = self.known > 0;
+        move |k| if is_known { last[k] + part * (last[k] - before[k]) } else { 0.0 }
     }
 
     /// Friction has added this at the time t [s].
-    #[inline]
-    pub fn learn(&mut self, t: f64, added: [f64; UNKNOWNS]) {
+    #[inline(always)]
+    pub fn learn(&mut self, t: f64, added: impl Iterator<Item = f64>) {
         if !self.in_step {
             return;
         }
         // Of two solutions at one time the later one counts.
         if self.known == 0 || t != self.times[0] {
-            (self.times[1], self.added[1]) = (self.times[0], self.added[0]);
+            self.times[1] = self.times[0];
+            self.added.swap(0, 1);
             self.known = (self.known + 1).min(2);
         }
-        (self.times[0], self.added[0]) = (t, added);
+        self.times[0] = t;
+        self.added[0].as_mut().iter_mut().zip(added).for_each(|(own, added)| *own = added);
     }
-}
-
-fn last_or_none(known: usize, last: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
-    if known > 0 { last } else { [0.0; UNKNOWNS] }
 }

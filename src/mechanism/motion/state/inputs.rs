@@ -58,6 +58,9 @@ pub fn engages(reduced: &Reduced, locks: &[bool], network: Option<&[f64]>, lock:
 /// The places at which a lock is engaged, as [`engages`] states.
 pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], network: Option<&[f64]>) -> EngagedLocks {
     let mut locked = EngagedLocks::default();
+    if !locks.contains(&true) {
+        return locked;
+    }
     let all = reduced.loading().locks.iter().enumerate();
     for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, network, *index)) {
         for (side, locked) in locked.rigid.iter_mut().enumerate() {

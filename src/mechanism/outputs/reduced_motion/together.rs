@@ -28,11 +28,7 @@ impl<'a> Outputs<'a> {
     /// [`Self::value`] of as many outputs as there is memory for values, with the functions that they are derivatives
     /// of; whether each of them has one.
     #[inline]
-    pub fn fill(
-        &mut self,
-        (outputs, functions): (&[Output], &[usize]),
-        values: &mut [MaybeUninit<f64>],
-    ) -> bool {
+    pub fn fill(&mut self, (outputs, functions): (&[Output], &[usize]), values: &mut [MaybeUninit<f64>]) -> bool {
         if self.is_misplaced() {
             values.fill(MaybeUninit::new(f64::NAN));
             return values.is_empty();
