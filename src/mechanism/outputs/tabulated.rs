@@ -160,18 +160,12 @@ impl<N: Reading> Task for Functions<'_, '_, N> {
     }
 }
 
-/// Index among the functions of x (axis 0) or y (axis 1) of a marker.
-#[inline(always)]
-pub fn of_marker(reduced: &Reduced, marker: usize, axis: usize) -> usize {
-    reduced.linkage().coordinates.len() + 2 * marker + axis
-}
-
 /// The function of which an output is a time derivative, if it is one but for a constant.
 pub fn function_of(reduced: &Reduced, output: &Output) -> Option<usize> {
     match *output {
         Output::Angle { body, .. } => reduced.linkage().bodies[body].angle_coordinate,
         Output::JointPosition { coordinate, .. } => Some(coordinate),
-        Output::Marker { marker, axis, .. } => Some(of_marker(reduced, marker, axis)),
+        Output::Marker { marker, axis, .. } => Some(reduced.marker_function(marker, axis)),
         _ => None,
     }
 }

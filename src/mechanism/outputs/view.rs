@@ -15,7 +15,6 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
-use crate::mechanism::outputs::tabulated::of_marker;
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
@@ -249,7 +248,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        self.time_derivative(of_marker(self.reduced, marker, axis), order)
+        self.time_derivative(self.reduced.marker_function(marker, axis), order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {

@@ -118,6 +118,12 @@ impl Reduced {
         self.linkage().coordinates.len() + 2 * self.markers.len()
     }
 
+    /// Index among these functions of x (axis 0) or y (axis 1) of a marker.
+    #[inline(always)]
+    pub fn marker_function(&self, marker: usize, axis: usize) -> usize {
+        self.linkage().coordinates.len() + 2 * marker + axis
+    }
+
     /// x of the origin of a body of the linkage with its two derivatives along sigma, then y.
     ///
     /// # Errors
