@@ -213,6 +213,8 @@ pub fn of_state(state: usize, change: f64) -> [f64; MOST_STATES] {
 
 /// Parts of a reaction: force x, force y, moment.
 pub const PARTS: usize = 3;
+/// Most applied loads that have a term each. The sum of more is one term, which is new when one of them changes.
+pub const MOST_TERMS: usize = 8;
 
 /// Borders of a panel that holds no sigma.
 const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -246,6 +248,15 @@ impl PresentLoads {
     #[inline(always)]
     pub fn check_driven(&self) -> Result<(), OutputError> {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
+    }
+
+    /// A load has another size. Terms of the reactions are others only if the load starts or ceases to act, or if they
+    /// include the sum of many loads.
+    pub fn set(&mut self, load: usize, size: f64) {
+        let acted = std::mem::replace(&mut self.sizes[load], size) != 0.0;
+        if acted != (size != 0.0) || self.acting.len() > MOST_TERMS {
+            self.invalidate();
+        }
     }
 
     /// The sizes have changed: other applied loads may act.

@@ -3,9 +3,9 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, OutputCache, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, MOST_TERMS, OutputCache, PARTS, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
-use crate::mechanism::outputs::terms::{Causes, MOST_TERMS, joints_of, parts_of};
+use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reactions::Reaction;
 use crate::mechanism::reduced::{PanelTable, Reduced};

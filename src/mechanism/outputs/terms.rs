@@ -3,15 +3,13 @@
 //! In: the reduced model, sigma, the sizes of the applied loads. Out: the terms of a group of joints on the present
 //! panels. It must not know the numbers in which they are read.
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, MOST_TERMS, PARTS, PresentLoads};
 use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
 use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::table::Unresolved;
 use std::ops::Range;
 
-/// Most applied loads that have a term each. The sum of more is one term, which is new when one of them changes.
-pub const MOST_TERMS: usize = 8;
 /// A function that vanishes.
 const ZERO: &Series = &[0.0; NODES];
 
