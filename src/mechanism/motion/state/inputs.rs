@@ -98,8 +98,8 @@ impl State {
         self.saved.in_force = None;
     }
 
-    /// The applied loads on the panel of the last step, if its inputs are in force and do not change with time, with air
-    /// or without.
+    /// The applied loads on the panel of the last step, if its inputs are in force and do not change with time.
+    /// `air`: whether moving air is to be among the loads that the state decides.
     #[inline]
     pub fn panel_force(&self, air: bool) -> Option<&PanelForce> {
         let is_known = self.in_force.is_some() && self.prescribed.is_none() && self.scratch.air == air;
