@@ -75,7 +75,7 @@ pub struct FrictionLoop<T> {
     /// Number of iterations of the last solution.
     pub iterations: u32,
     /// What friction adds to the three unknowns of one group within a step.
-    prediction: Prediction<[f64; 3]>,
+    prediction: Prediction,
     /// What friction adds to the magnitudes of many joints within a step.
     of_sizes: Prediction<Vec<f64>>,
 }
@@ -120,7 +120,7 @@ impl<T: Number> FrictionLoop<T> {
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),
-            of_sizes: Prediction::new(vec![0.0; n]),
+            of_sizes: Prediction::<Vec<f64>>::new(n),
         }
     }
 

@@ -48,12 +48,10 @@ impl<T: Number> FrictionLoop<T> {
         let contracts = self.contracts(balance);
         // A solution that is not unique is found from the frictionless one.
         if contracts && !T::CARRIES {
-            let added = self.of_sizes.at(t);
-            self.size.iter_mut().enumerate().for_each(|(j, size)| *size = *size + T::constant(added(j)));
+            self.of_sizes.add_to(t, &mut self.size);
         }
         if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
-            let added = self.size.iter().zip(&self.last).map(|(size, last)| size.value() - last);
-            self.of_sizes.learn(t, added);
+            self.of_sizes.learn(t, &self.size, &self.last);
             return Ok(());
         }
         let (mut part, mut more, mut determinant, mut ends) = (0.0, FIRST, 1.0, false);

@@ -33,7 +33,7 @@ impl<T: Number> FrictionLoop<T> {
         if contracts && !T::CARRIES {
             let added = self.prediction.at(t);
             for k in 0..3 {
-                z[k] = z[k] + T::constant(added(k));
+                z[k] = z[k] + T::constant(added[k]);
             }
         }
         let mut converged = false;
@@ -82,7 +82,7 @@ impl<T: Number> FrictionLoop<T> {
             // Derivatives carried by T converge one iteration later.
             if converged || (error < CONVERGED && !T::CARRIES) || error == 0.0 {
                 self.iterations = iteration;
-                self.prediction.learn(t, (0..3).map(|k| (z[k] - without[k]).value()));
+                self.prediction.learn(t, std::array::from_fn(|k| (z[k] - without[k]).value()));
                 for (i, size) in self.size.iter_mut().enumerate() {
                     *size = sizes[i];
                     for k in 0..3 {
