@@ -38,9 +38,9 @@ impl<'a> Outputs<'a> {
         for (value, output) in values.iter_mut().zip(outputs) {
             let number = evaluate(&mut self.view, self.loading, output).unwrap_or(f64::NAN);
             // 0 for a finite number, else NaN.
-            let nothing = number - number;
+            let nothing = 0.0 * number;
             sum += nothing;
-            value.write(number - nothing);
+            value.write(number + nothing);
         }
         sum == 0.0
     }
