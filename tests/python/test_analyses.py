@@ -73,7 +73,7 @@ def test_a_drawn_mechanism_is_short() -> None:
     press = lf.Mechanism(definition)
     assert press.simulation()["crank.angle"] == pytest.approx(np.pi / 6)
     assert json.loads(press.to_json()) == press.to_dict() == definition
-    with pytest.raises(lf.InputError, match="two parts with this name"):
+    with pytest.raises(lf.InputError, match="two parts have this name"):
         build.mechanism("Press", *parts, build.pin("pin", "crank", "rod", at=(80, 60)))
     with pytest.raises(lf.InputError, match="is not a point"):
         build.mechanism("Press", build.pin("pin", "ground", "rod", at=(80, 60, 2)))
@@ -150,5 +150,5 @@ def test_a_page_moves_the_mechanism(gear: lf.Mechanism, tmp_path: Path) -> None:
     run = gear.simulate(stop_time=0.1, start_values={"load_factor": 1}, output=["crank.angle"])
     assert run.animate().html != page.html
     signal = {"time": [0, 1], "load_factor": [1, 1]}
-    with pytest.raises(lf.InputError, match="input signals"):
+    with pytest.raises(lf.InputError, match="inputs over time"):
         gear.simulate(stop_time=0.1, input=signal, output=["crank.angle"]).animate()
