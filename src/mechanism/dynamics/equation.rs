@@ -8,9 +8,8 @@
 //! steps.
 use crate::integrator::System;
 use crate::mechanism::definition::MOST_CONTROL_STATES;
-use crate::mechanism::dynamics::hydraulic::Ports;
-use crate::mechanism::dynamics::network::NetworkPorts;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::ports::{NetworkPorts, Ports};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;
