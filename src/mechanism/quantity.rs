@@ -74,8 +74,8 @@ pub enum Indicator {
     /// The normal force of a prismatic joint with friction, by its index among the joints with friction: its magnitude
     /// decides on the friction.
     NormalForce(usize),
-    /// The distance of the force of a controlled drive or of its change from a limit, by the index of the drive and that
-    /// of the limit.
+    /// The distance of the force of a controlled drive or of its change from a limit, by the index of the drive and
+    /// that of the limit.
     Limit { drive: usize, side: usize },
     /// The points of a curve.
     Points(Curve),

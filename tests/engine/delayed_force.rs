@@ -101,8 +101,8 @@ fn a_rotor_moves_as_its_fourth_order_response() {
     }
 }
 
-/// The rotor to the command 1 with limits of the torque and of its rate and with an integral part, integrated with small
-/// steps of another method: angle, speed, integral part and torque at the end, and the largest angle.
+/// The rotor to the command 1 with limits of the torque and of its rate and with an integral part, integrated with
+/// small steps of another method: angle, speed, integral part and torque at the end, and the largest angle.
 fn limited(limits: [f64; 2], rate: f64, tracking: f64, span: f64) -> ([f64; 4], f64) {
     let rates = |y: [f64; 4]| {
         let demanded = GAIN * (1.0 - y[0]) - SPEED_GAIN * y[1] + y[2];
@@ -297,7 +297,10 @@ fn what_is_no_delayed_force_is_refused() {
     };
     let delayed = json!({ "position_gain": 1, "force_time_constant": 0.1 });
     for (control, pieces) in [
-        (json!({ "position_gain": 1, "max_force_rate": 2 }), &["control.max_force_rate", "add force_time_constant"][..]),
+        (
+            json!({ "position_gain": 1, "max_force_rate": 2 }),
+            &["control.max_force_rate", "add force_time_constant"][..],
+        ),
         (json!({ "position_gain": 1, "start_force": 2 }), &["control.start_force", "add force_time_constant"]),
         (json!({ "force_time_constant": 2 }), &["servo.control", "needs a gain"]),
         (delayed.clone().with(json!({ "force_time_constant": 0 })), &["control.force_time_constant", "0", "> 0"]),

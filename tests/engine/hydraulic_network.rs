@@ -193,7 +193,8 @@ fn faulty_networks_are_rejected_with_their_key() {
     );
     assert_says(
         error(&|arm| {
-            arm["joints"]["rail"] = json!({ "type": "slot", "first": "ground.origin", "second": "arm.end", "radius": 1 });
+            arm["joints"]["rail"] =
+                json!({ "type": "slot", "first": "ground.origin", "second": "arm.end", "radius": 1 });
             arm["actuators"]["guy"] = json!({ "joint": "rail" });
         }),
         &["actuators.guy.joint", "straight line", "slot is curved", "two points"],

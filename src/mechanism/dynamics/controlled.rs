@@ -54,9 +54,9 @@ impl System<CONTROLLED> for EquationOfMotion<'_> {
         rates
     }
 
-    /// A state of a controller is relative to itself, and to what the gains make of the scales of position and speed: an
-    /// error of the state moves the drive as the same error of these parts of its force does. The norm of an error is
-    /// over the components that there are, whatever the capacity.
+    /// A state of a controller is relative to itself, and to what the gains make of the scales of position and speed:
+    /// an error of the state moves the drive as the same error of these parts of its force does. The norm of an error
+    /// is over the components that there are, whatever the capacity.
     fn scale(&mut self, y: &[f64; CONTROLLED], f: &[f64; CONTROLLED]) -> [f64; CONTROLLED] {
         let mut motion = System::<MOTION>::scale(self, &[y[0], y[1], y[2]], &[f[0], f[1], f[2]]);
         motion[1] = y[1].abs().max(SPEED_FLOOR * motion[1]);

@@ -188,7 +188,8 @@ impl<'a> Builder<'a> {
         let followed = if needs.circuit { self.source.followed() } else { Vec::new() };
         let begun = Needs { speed: true, loads: &followed, ..placed() };
         let balance = Needs { loads: &self.source.loads, lossless: true, ..placed() };
-        let mut others: Vec<usize> = needs.inputs.iter().chain(acting).chain(&followed).copied().filter(|&i| i >= inputs).collect();
+        let mut others: Vec<usize> =
+            needs.inputs.iter().chain(acting).chain(&followed).copied().filter(|&i| i >= inputs).collect();
         if sought || !followed.is_empty() {
             others.sort_unstable();
             others.dedup();

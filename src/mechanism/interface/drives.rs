@@ -148,8 +148,8 @@ fn state() -> Needs<'static> {
     Needs { circuit: true, ..Needs::default() }
 }
 
-/// Integral part of the force of a drive with a controller, and its rate, which follows from these; rate of a force that
-/// is a state.
+/// Integral part of the force of a drive with a controller, and its rate, which follows from these; rate of a force
+/// that is a state.
 fn add_controller_states(b: &mut Builder, drive: usize, law: &DriveLaw, needs: Needs) {
     let s = b.source;
     let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);

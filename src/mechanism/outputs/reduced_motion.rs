@@ -78,7 +78,8 @@ impl ReducedMotion {
         if !mechanism.has_forces_by_inputs() {
             return Ok(());
         }
-        let is_stated = |index| mechanism.control_states().nth(index).is_some_and(|(_, own, _)| own.start_force.is_some());
+        let is_stated =
+            |index| mechanism.control_states().nth(index).is_some_and(|(_, own, _)| own.start_force.is_some());
         self.follow(reduced, inputs, |index| !is_stated(index))
     }
 

@@ -48,9 +48,9 @@ impl<T: Number> StateLoadEvaluator<T> {
             let states = self.controllers.as_ref();
             let acting = law.force(own, |input| applied.size(input, t), [position, speed], states, margin);
             self.delivered[law_load.at] = acting.force;
-            for (state, rate) in law.states.into_iter().zip(acting.rates) {
-                if let Some(state) = state {
-                    self.controller_rates[state] = rate;
+            if states.is_some() {
+                for (state, rate) in law.states.into_iter().zip(acting.rates) {
+                    state.into_iter().for_each(|state| self.controller_rates[state] = rate);
                 }
             }
         }

@@ -5,7 +5,6 @@
 //! spring whose rest position is the command, a speed gain is a damper whose other end moves with the commanded speed.
 //! The integral part follows K. J. Astrom, T. Hagglund, Advanced PID Control (2006), section 3.5: anti-windup by
 //! back-calculation.
-use crate::mechanism::definition::ControlState;
 use crate::numerics::dual::Number;
 
 /// Law of a controlled drive: F_u = limited(F_d) with F_d = feed-forward + K_p (command - x) + K_v (command_speed -
@@ -70,29 +69,31 @@ impl Control {
         force
     }
 
-    /// The force of the drive: `own`, `command` and `motion` as in [`Self::demanded`], `state` a state of the
-    /// controller. Without this state an integral part is 0, and the force follows at once. `margin` is called for each
-    /// limit with its index and with how far its quantity is within it, and returns a number with the sign that counts.
+    /// The force of the drive: `own`, `command` and `motion` as in [`Self::demanded`], `states` the integral part and
+    /// the force as states. Without these an integral part is 0, and the force follows at once. `margin` is called for
+    /// each limit with its index and with how far its quantity is within it, and returns a number with the sign that
+    /// counts.
     #[inline]
     pub fn acting<T: Number>(
         &self,
         own: T,
         command: impl Fn(usize) -> T,
         motion: [T; 2],
-        state: impl Fn(ControlState) -> Option<T>,
+        states: Option<[Option<T>; 2]>,
         mut margin: impl FnMut(usize, f64) -> f64,
     ) -> Acting<T> {
         let zero = T::constant(0.0);
-        let integral = state(ControlState::Integral);
-        let demanded = self.demanded(own, &command, motion, integral.unwrap_or(zero));
+        let integral = states.and_then(|[integral, _]| integral).unwrap_or(zero);
+        let demanded = self.demanded(own, &command, motion, integral);
         let limited = self.limited(0, demanded, &mut margin);
         let (mut acting, mut reached) = (Acting { force: limited, rates: [zero; 2] }, limited);
-        if let (Some(time), Some(force)) = (self.delay, state(ControlState::Force)) {
+        let Some([_, present]) = states else { return acting };
+        if let (Some(time), Some(force)) = (self.delay, present) {
             let change = self.limited(2, limited - force, &mut margin);
             (acting.force, acting.rates[1]) = (force, change * T::constant(1.0 / time));
             reached = force + change;
         }
-        if let (Some(Integral { gain, tracking }), Some(_)) = (self.integral, integral) {
+        if let Some(Integral { gain, tracking }) = self.integral {
             let lost = reached - demanded;
             acting.rates[0] = T::constant(gain) * (command(0) - motion[0]) + T::constant(tracking) * lost;
         }
@@ -135,8 +136,8 @@ mod tests {
 
     /// At the feed-forward 5, the command 0.5 and the commanded speed 2, in these states.
     fn acting<T: Number>(control: &Control, motion: [T; 2], states: [Option<f64>; 2]) -> Acting<T> {
-        let state = |state| states[state as usize].map(T::constant);
-        control.acting(T::constant(5.0), |k| T::constant([0.5, 2.0][k]), motion, state, |_, margin| margin)
+        let states = Some(states.map(|state| state.map(T::constant)));
+        control.acting(T::constant(5.0), |k| T::constant([0.5, 2.0][k]), motion, states, |_, margin| margin)
     }
 
     #[test]

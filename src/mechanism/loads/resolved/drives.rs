@@ -137,10 +137,9 @@ impl DriveLaw {
 
     /// F_u of a controller, with `own`, `command` and `motion` as for [`Self::force`] and its integral part.
     pub fn followed(&self, own: f64, command: impl Fn(usize) -> f64, motion: [f64; 2], states: &[f64]) -> Option<f64> {
-        let integral = self.states[ControlState::Integral as usize].map_or(0.0, |k| states[k]);
-        let state = |state| (state == ControlState::Integral).then_some(integral);
+        let integral = self.states[ControlState::Integral as usize].map(|k| states[k]);
         let command = |k| command(self.load + k);
-        Some(self.control()?.acting(own, command, motion, state, |_, margin| margin).force)
+        Some(self.control()?.acting(own, command, motion, Some([integral, None]), |_, margin| margin).force)
     }
 
     /// Force that it adds to the force `own` of the drive's input [N or N.m], with the rates of its states: `command`
@@ -161,8 +160,8 @@ impl DriveLaw {
                 Acting { force, rates: [T::constant(0.0); 2] }
             }
             DriveLawKind::Control(control) => {
-                let state = |state: ControlState| Some(states?[self.states[state as usize]?]);
-                let acting = control.acting(own, |k| command(self.load + k), motion, state, margin);
+                let states = states.map(|all| self.states.map(|state| state.map(|k| all[k])));
+                let acting = control.acting(own, |k| command(self.load + k), motion, states, margin);
                 Acting { force: acting.force - own, ..acting }
             }
         }
