@@ -259,6 +259,18 @@ fn derivatives_of_outputs_count_the_force() {
     }
 }
 
+/// Outputs are the states of model exchange, in the order of the states.
+#[test]
+fn the_states_of_model_exchange_are_in_order() {
+    let text = rotor(json!({ "integral_gain": INTEGRAL_GAIN }));
+    let model = Component::from_definition("mechanism.json", &text.to_string()).unwrap();
+    let all = model.continuous_time().unwrap();
+    let name = |reference: &u32| model.interface().list()[*reference as usize].name.clone();
+    let names = |list: &[u32]| list[2..].iter().map(name).collect::<Vec<_>>();
+    assert_eq!(names(&all.states), ["servo.integral_torque", "servo.acting_torque"]);
+    assert_eq!(names(&all.derivatives), ["servo.integral_torque_rate", "servo.acting_torque_rate"]);
+}
+
 #[test]
 fn a_saved_state_continues_with_its_force() {
     let control = json!({ "command": 1, "max_force": 3, "max_force_rate": 20, "start_force": 0 });

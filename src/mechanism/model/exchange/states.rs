@@ -28,11 +28,16 @@ impl Model {
                     all.derivatives.extend((order > 0).then_some(reference));
                 }
                 Some(Quantity::Indicator(_)) => all.indicators.push(reference),
-                Some(Quantity::Output(Output::Controller { order, .. })) => controllers[order].push(reference),
+                Some(Quantity::Output(Output::Controller { drive, state, order })) => {
+                    let law = self.original.reduced.loading().drives[drive].law.as_ref();
+                    controllers[order].push((law.and_then(|law| law.states[state as usize]), reference));
+                }
                 _ => {}
             }
         }
-        let [values, rates] = controllers;
+        // In the order of the states, not of the outputs.
+        controllers.iter_mut().for_each(|all| all.sort_unstable());
+        let [values, rates] = controllers.map(|all| all.into_iter().map(|(_, reference)| reference));
         all.states.extend(values);
         all.derivatives.extend(rates);
         (!all.states.is_empty()).then_some(all)
