@@ -126,24 +126,26 @@ fn limited(limits: [f64; 2], rate: f64, tracking: f64, span: f64) -> ([f64; 4], 
 
 #[test]
 fn limits_of_force_and_rate_act_with_an_integral_part() {
-    let (limits, rate, span) = ([-1.0, 1.5], 8.0, 3.0);
-    let (expected, most) = limited(limits, rate, GAIN / INTEGRAL_GAIN, span);
-    let text = rotor(json!({
-        "integral_gain": INTEGRAL_GAIN, "min_force": limits[0], "max_force": limits[1], "max_force_rate": rate,
-        "command": 1, "start_force": 0,
-    }));
-    for count in [1, 13, 300] {
-        let mut run = Run::new(&text).started();
-        run.steps(count, span);
-        for (name, exact) in
-            ["wheel.angle", "wheel.speed", "servo.integral_torque", "servo.acting_torque"].into_iter().zip(expected)
-        {
-            run.near(name, exact, 1e-7);
+    let (rate, span) = (8.0, 3.0);
+    let names = ["wheel.angle", "wheel.speed", "servo.integral_torque", "servo.acting_torque"];
+    let own = json!({ "integral_gain": INTEGRAL_GAIN, "max_force_rate": rate, "command": 1, "start_force": 0 });
+    for (keys, limits) in [
+        (json!({ "min_force": -1, "max_force": 1.5 }), [-1.0, 1.5]),
+        (json!({}), [f64::NEG_INFINITY, f64::INFINITY]),
+    ] {
+        let (expected, most) = limited(limits, rate, GAIN / INTEGRAL_GAIN, span);
+        let text = rotor(own.clone().with(keys));
+        for count in [1, 13, 300] {
+            let mut run = Run::new(&text).started();
+            run.steps(count, span);
+            for (name, exact) in names.into_iter().zip(expected) {
+                run.near(name, exact, 1e-7 * (1.0 + exact.abs()));
+            }
+            run.near("energy.drift", 0.0, 1e-9);
         }
-        run.near("energy.drift", 0.0, 1e-9);
+        // The anti-windup counts what the limit of the rate takes away.
+        assert!(most < 0.9 * limited(limits, rate, 1e9, span).1, "{most}");
     }
-    // The anti-windup counts what the limit of the rate takes away.
-    assert!(most < 0.9 * limited(limits, rate, 1e9, span).1, "{most}");
 }
 
 /// Static friction holds the block while the force rises, until it breaks away at the instant that follows.

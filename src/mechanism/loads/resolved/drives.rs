@@ -173,15 +173,15 @@ impl DriveLaw {
 /// # Errors
 /// The default of its tracking time is 0.
 fn integral_of(name: &str, control: &definition::Control) -> Result<Option<Integral>, DefinitionError> {
-    let definition::Control { position_gain, integral_gain, tracking_time, min_force, max_force, .. } = *control;
+    let definition::Control { position_gain, integral_gain, tracking_time, .. } = *control;
     let Some(gain) = integral_gain else { return Ok(None) };
     let default = if gain == 0.0 { 0.0 } else { gain / position_gain.unwrap_or(0.0) };
-    let is_limited = min_force.or(max_force).is_some();
+    let is_limited = control.min_force.or(control.max_force).or(control.max_force_rate).is_some();
     let tracking = if is_limited { tracking_time.map_or(default, |time| 1.0 / time) } else { 0.0 };
     if tracking.is_finite() {
         return Ok(Some(Integral { gain, tracking }));
     }
     let message = "the default position_gain / integral_gain is too small, because position_gain is: give \
-                   tracking_time, a larger position_gain, or no limit of the force";
+                   tracking_time, a larger position_gain, or no limit of the force and of its rate";
     Err(DefinitionError::key(format_args!("actuators.{name}.control.tracking_time"), message.to_owned()))
 }
