@@ -129,10 +129,9 @@ fn limits_of_force_and_rate_act_with_an_integral_part() {
     let (rate, span) = (8.0, 3.0);
     let names = ["wheel.angle", "wheel.speed", "servo.integral_torque", "servo.acting_torque"];
     let own = json!({ "integral_gain": INTEGRAL_GAIN, "max_force_rate": rate, "command": 1, "start_force": 0 });
-    for (keys, limits) in [
-        (json!({ "min_force": -1, "max_force": 1.5 }), [-1.0, 1.5]),
-        (json!({}), [f64::NEG_INFINITY, f64::INFINITY]),
-    ] {
+    for (keys, limits) in
+        [(json!({ "min_force": -1, "max_force": 1.5 }), [-1.0, 1.5]), (json!({}), [f64::NEG_INFINITY, f64::INFINITY])]
+    {
         let (expected, most) = limited(limits, rate, GAIN / INTEGRAL_GAIN, span);
         let text = rotor(own.clone().with(keys));
         for count in [1, 13, 300] {

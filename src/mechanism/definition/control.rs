@@ -1,6 +1,5 @@
 //! Control of a drive: gains, start values of the commands, limits of the force.
 use super::Mechanism;
-use super::loads::Actuator;
 use super::refusal::refused;
 use crate::format::{Faults, Range, Role, either, keys, number};
 use crate::variables::Unit::{
@@ -76,15 +75,19 @@ keys! {
     }
 }
 
-/// Faults of the control of a drive, if it has one.
-pub(super) fn check_control(key: &str, drive: &Actuator, faults: &mut Faults) {
-    let Some(control) = &drive.control else { return };
+/// Faults of the control of a drive, which has a force-speed curve, a hydraulic circuit or a prescribed motion or not.
+pub(super) fn check_control(
+    key: &str,
+    control: &Control,
+    [points, hydraulics, motion]: [bool; 3],
+    faults: &mut Faults,
+) {
     let key = format!("{key}.control");
     let mut refuse = |key: String, message: String| faults.keep::<()>(refused(key, message));
     for (name, is_given, what) in [
-        ("points", drive.points.is_some(), "a force-speed curve"),
-        ("hydraulics", drive.hydraulics.is_some(), "a hydraulic circuit"),
-        ("motion", drive.motion.is_some(), "a prescribed motion"),
+        ("points", points, "a force-speed curve"),
+        ("hydraulics", hydraulics, "a hydraulic circuit"),
+        ("motion", motion, "a prescribed motion"),
     ] {
         if is_given {
             refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove control or {name}"));

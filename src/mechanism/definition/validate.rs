@@ -231,7 +231,10 @@ impl Mechanism {
                 circuit.find_faults(faults);
             }
             faults.keep(check_drive(&key, a));
-            check_control(&key, a, faults);
+            if let Some(control) = &a.control {
+                let others = [a.points.is_some(), a.hydraulics.is_some(), a.motion.is_some()];
+                check_control(&key, control, others, faults);
+            }
             self.check_control_states(name, faults);
             self.check_motion(name, a, faults);
         }
