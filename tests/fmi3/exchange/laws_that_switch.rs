@@ -133,8 +133,8 @@ fn an_integral_part_is_exchanged() {
     assert_eq!((fmu.set_states(&y), fmu.set_states(&y[..2])), (Status::Discard, Status::Error));
 }
 
-/// The same block, whose force follows that of the controller at a limited rate: the force is a state and an output. The
-/// block breaks away at an event, and the rate leaves its limit and comes to the other one at events.
+/// The same block, whose force follows that of the controller at a limited rate: the force is a state and an output.
+/// The block breaks away at an event, and the rate leaves its limit and comes to the other one at events.
 #[test]
 fn a_delayed_force_is_exchanged() {
     let delay = "\"integral_gain\": 400, \"force_time_constant\": 0.02, \"max_force_rate\": 70, \"start_force\": 0,";
