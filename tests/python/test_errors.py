@@ -163,7 +163,7 @@ def test_types_are_checked(gear: lf.Mechanism) -> None:
 def test_a_closed_simulation_raises_an_error(gear: lf.Mechanism) -> None:
     with gear.simulation() as simulation:
         simulation.initialize()
-    with pytest.raises(lf.SimulationError, match=r"closed; make a new one"):
+    with pytest.raises(lf.SimulationError, match=r"closed; create a new simulation"):
         simulation.step(1e-3)
     assert repr(simulation) == "<Simulation, closed>"
     simulation.close()

@@ -42,7 +42,7 @@ class SimulationError(LinkageError, RuntimeError):
 
 
 class InternalError(LinkageError, RuntimeError):
-    """An internal fault of the package. The Python interpreter continues after the fault. Please report the fault."""
+    """An internal error of the package. The Python interpreter continues after the error. Please report the error."""
 
 
 class LinkageWarning(UserWarning):
