@@ -204,7 +204,7 @@ impl<N: Number> Direction<N> {
     }
 }
 
-/// The direction in which one state changes: sigma (0), sigma_dot (1) or an integral part.
+/// The direction in which one state changes: sigma (0), sigma_dot (1) or a state of a controller.
 pub fn of_state(state: usize, change: f64) -> [f64; MOST_STATES] {
     let mut along = [0.0; MOST_STATES];
     along[state] = change;

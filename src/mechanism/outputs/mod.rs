@@ -4,9 +4,9 @@
 //! FMI.
 mod by_body;
 mod cache;
+mod controllers;
 mod evaluator;
 mod hydraulic;
-mod integral;
 mod network;
 mod one_element;
 mod reaction;

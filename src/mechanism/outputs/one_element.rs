@@ -25,7 +25,7 @@ impl<N: Reading> View<'_, N> {
         let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
         let power = match efficiency {
-            Some(_) => self.acting(drive, speed)?[0].value() * speed.value(),
+            Some(_) => self.acting(drive, speed)?.force.value() * speed.value(),
             None => 0.0,
         };
         let value = match term {

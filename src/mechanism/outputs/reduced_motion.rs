@@ -49,7 +49,9 @@ impl ReducedMotion {
         mechanism: &Mechanism,
         inputs: &Inputs,
     ) -> Result<Self, ModelError> {
-        Ok(Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs))
+        let mut motion = Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs);
+        motion.follow_at_start(reduced, mechanism, inputs)?;
+        Ok(motion)
     }
 
     /// [`Self::at_start`] in place, from a state of the same reduced model; without allocation unless air has begun or
@@ -68,7 +70,17 @@ impl ReducedMotion {
         self.set_sizes(&inputs.reals[..reduced.loading().inputs.len()]);
         self.cache.begin();
         self.unsettle();
-        Ok(())
+        self.follow_at_start(reduced, mechanism, inputs)
+    }
+
+    /// At the start, forces that follow those of controllers and are not stated are equal to them.
+    fn follow_at_start(&mut self, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<(), ModelError> {
+        if !mechanism.has_forces_by_inputs() {
+            return Ok(());
+        }
+        let is_stated =
+            |index| mechanism.control_states().nth(index).is_some_and(|(_, own, _)| own.start_force.is_some());
+        self.follow(reduced, inputs, |index| !is_stated(index))
     }
 
     /// A state that continues from the saved one, under these inputs.
@@ -209,7 +221,7 @@ impl ReducedMotion {
 
     /// The state has changed, from one after so many whole revolutions.
     #[inline]
-    fn invalidate(&mut self, revolutions: f64) {
+    pub(super) fn invalidate(&mut self, revolutions: f64) {
         if revolutions != self.state.revolutions {
             self.cache.scratch.panel_force.invalidate();
         }
@@ -319,8 +331,8 @@ impl ReducedMotion {
 /// inner regime; of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays
 /// held.
 impl ReducedMotion {
-    /// Head in a direction in which sigma, sigma_dot and the integral parts of controllers change by `along` and the
-    /// inputs by `seeds`.
+    /// Head in a direction in which sigma, sigma_dot and the states of controllers change by `along` and the inputs by
+    /// `seeds`.
     #[inline]
     pub fn head_for(
         &mut self,

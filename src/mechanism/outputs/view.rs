@@ -3,6 +3,7 @@
 //! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output
 //! asks.
 use crate::hydraulics::network::outputs as network;
+use crate::mechanism::definition::ControlState;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -104,7 +105,7 @@ impl<'a, N: Reading> View<'a, N> {
         if state_loads.is_some() {
             self.cache.forces = None;
         }
-        let integrals = state.memory.integrals().map(|_| self.integrals());
+        let controllers = self.controllers();
         let OutputCache { scratch, direction, .. } = &mut *self.cache;
         if state_loads.is_some_and(|s| s.air) != scratch.air {
             *scratch = Scratch::new(state_loads);
@@ -128,8 +129,8 @@ impl<'a, N: Reading> View<'a, N> {
                 scratch.set_pressures(cylinder, [of(first), of(first + 1)]);
             }
         }
-        for (k, value) in integrals.into_iter().flatten().enumerate() {
-            scratch.set_integral(k, value);
+        if controllers.is_some() {
+            scratch.set_controllers(controllers);
         }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
         scratch.panel_force.share(of_step, reduced.stretch, state.sigma);
@@ -290,11 +291,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(self.size(drive));
         }
         let speed = self.displacement(drive, 1)?;
-        Ok(self.acting(drive, speed)?[0])
+        Ok(self.acting(drive, speed)?.force)
     }
 
-    fn integral(&mut self, drive: usize, order: usize) -> Result<N, OutputError> {
-        self.integral_of(drive, order)
+    fn controller(&mut self, drive: usize, state: ControlState, order: usize) -> Result<N, OutputError> {
+        self.controller_of(drive, state, order)
     }
 
     #[inline]
