@@ -163,8 +163,6 @@ impl Mechanism {
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
                 ("angle", joint.angle, !is_prismatic, no_slide),
                 ("armature", joint.armature, is_slot, no_slot),
-                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
-                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),

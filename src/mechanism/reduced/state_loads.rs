@@ -352,7 +352,8 @@ impl StateLoads {
         for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.groups.signs).enumerate() {
             let joint = &joints[friction_joint.joint];
             let normal = match joint.freedom {
-                Freedom::Revolute | Freedom::Slot(_) | Freedom::Coupling(_) => None,
+                Freedom::Revolute | Freedom::Coupling(_) => None,
+                Freedom::Slot(index) => Some(perp(c.positions.slots[index].axis)),
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
             if let FrictionKind::Constant(_) = friction_joint.kind {

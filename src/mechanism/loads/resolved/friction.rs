@@ -179,9 +179,9 @@ impl Loading {
         }
         for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let radius = match (resolved.freedom, defined.pin_radius) {
-                (Freedom::Prismatic(_), _) => 1.0,
+                (Freedom::Prismatic(_) | Freedom::Slot(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) | (Freedom::Slot(_) | Freedom::Coupling(_), _) => continue,
+                (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
             };
             let law = Law {
                 sticks,
