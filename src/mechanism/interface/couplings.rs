@@ -2,6 +2,7 @@
 use super::builder::Builder;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::{Freedom, Kind, Second};
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::quantity::{Output, ReactionPart};
 use crate::variables::Unit::{Newton, NewtonMetre, Radian};
 
@@ -25,7 +26,8 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
         let text = "Transmitted force (positive if it drives the second body forward)";
         add("transmitted_force", text, ReactionPart::Moment);
         let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
-        let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
+        let is_loss = |own: &FrictionJoint| own.joint == joint && own.kind == FrictionKind::Coupling;
+        let Some(friction_joint) = friction_joints.iter().position(is_loss) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
         let on = [first, " exerts on ", body(j.second.body), " because of the losses in the coupling ", n].concat();
         return match s.linkage.couplings[coupling].second {

@@ -68,6 +68,11 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let friction_joints = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
     let by_reaction = friction_joints.filter(|(_, joint)| !matches!(joint.kind, FrictionKind::Constant(_)));
     let slides = by_reaction.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
+    // The loss and the teeth of a coupling have one sign.
+    let is_first = |index: usize, own: usize| {
+        s.loading.friction.iter().all(|f| f.friction_joints[..index].iter().all(|before| before.joint != own))
+    };
+    let slides = slides.filter(|(index, joint)| is_first(*index, joint.joint));
     all.extend(slides.map(|(joint, _)| (Indicator::NormalForce(joint), Newton)));
     let springs = || s.loading.springs.iter().enumerate();
     let stops = s.loading.stops.iter().enumerate();

@@ -359,7 +359,7 @@ impl StateLoads {
             if let FrictionKind::Constant(_) = friction_joint.kind {
                 continue;
             }
-            if friction_joint.kind == FrictionKind::Coupling {
+            if let Freedom::Coupling(_) = joint.freedom {
                 for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
                     parts[i] = sign * column[friction_joint.joint].moment;
                 }

@@ -3,7 +3,8 @@
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
 use super::Loading;
 use super::ends::joint_load;
-use crate::mechanism::definition::{DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
+use super::couplings::pressure_angles;
+use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
 use crate::mechanism::loads::unit_load::Load;
@@ -19,7 +20,7 @@ const HOLD: f64 = 1e-12;
 pub struct JointFriction {
     /// Whether friction that reactions cause in joints acts; losses of couplings and constant friction do in any case.
     pub enabled: bool,
-    /// Joints with friction, then couplings with losses, then joints with constant friction.
+    /// Joints with friction, then couplings with losses, then teeth, then joints with constant friction.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
@@ -45,7 +46,8 @@ impl JointFriction {
     /// The friction with this index, and the constant friction of the same joint where that is another one.
     pub fn of_joint(&self, index: usize) -> (&FrictionJoint, Option<&FrictionJoint>) {
         let first = &self.friction_joints[index];
-        (first, self.friction_joints[index + 1..].iter().find(|other| other.joint == first.joint))
+        let is_constant = |own: &FrictionJoint| matches!(own.kind, FrictionKind::Constant(_));
+        (first, self.friction_joints[index + 1..].iter().find(|own| own.joint == first.joint && is_constant(own)))
     }
 }
 
@@ -56,6 +58,9 @@ pub enum FrictionKind {
     Joint,
     /// The transmitted force of a coupling: its loss.
     Coupling,
+    /// The transmitted force F_t of a coupling with teeth: no friction, but the force |F_t| tan(alpha) that pushes the
+    /// wheels apart, whichever way they turn. It does no work, and loads the joints with friction.
+    Teeth,
     /// Nothing: it is constant, [N.m] in a revolute joint or [N] in a prismatic one.
     Constant(f64),
 }
@@ -75,7 +80,7 @@ pub struct FrictionJoint {
     /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
     pub load: usize,
     /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of
-    /// the second wheel of a coupling, or 1.
+    /// the second wheel of a coupling, or 1; of teeth -tan(alpha), with the pressure angle alpha.
     pub radius: f64,
     /// What the friction follows from.
     pub kind: FrictionKind,
@@ -100,6 +105,7 @@ impl Loading {
             self.add_joints(mechanism, linkage, friction, &mut friction_joints)?;
         }
         self.add_losses(mechanism, linkage, &mut friction_joints)?;
+        self.add_teeth(mechanism, &mut friction_joints)?;
         self.add_constant(mechanism, linkage, &mut friction_joints)?;
         let enabled = mechanism.friction.as_ref().is_some_and(|friction| friction.enabled.unwrap_or(false));
         if mechanism.friction.is_some() || !friction_joints.is_empty() {
@@ -145,7 +151,23 @@ impl Loading {
         Ok(())
     }
 
-    /// Add the constant friction of joints, behind the losses of couplings.
+    /// Add the teeth that push wheels apart in a mechanism whose joints have friction, behind the losses of couplings.
+    fn add_teeth(&mut self, mechanism: &Mechanism, friction_joints: &mut Vec<FrictionJoint>) -> Result<(), DefinitionError> {
+        let Some(_) = &mechanism.friction else { return Ok(()) };
+        for (coupling, (name, angle)) in pressure_angles(mechanism) {
+            if mechanism.couplings.get(name).is_some_and(|own| own.kind == CouplingKind::EllipticGears) {
+                let message = "the friction of joints cannot include the separating force of elliptic gears: set \
+                               pressure_angle to 0, or remove friction";
+                return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
+            }
+            let (joint, load, kind) = (mechanism.joints.len() + coupling, self.loads.len(), FrictionKind::Teeth);
+            friction_joints.push(FrictionJoint { joint, load, radius: -angle.tan(), kind, back: 1.0, law: ANY_SLIP });
+            self.loads.push(Load::Separation { coupling, lean: 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Add the constant friction of joints, behind the teeth.
     fn add_constant(
         &mut self,
         mechanism: &Mechanism,
@@ -200,6 +222,15 @@ impl Loading {
         Ok(())
     }
 }
+
+/// The coefficient 1 at any slip of either sign.
+const ANY_SLIP: Law = Law {
+    sticks: false,
+    static_coefficient: 1.0,
+    kinetic_coefficient: 1.0,
+    static_speed: f64::NEG_INFINITY,
+    kinetic_speed: f64::NEG_INFINITY,
+};
 
 /// Coulomb's law with one coefficient at rest and at any slip speed.
 fn coulomb(coefficient: f64) -> Law {
