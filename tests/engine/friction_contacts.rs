@@ -1,9 +1,12 @@
 //! Coulomb friction where two curves touch: pins in slots, against slides and links; teeth with a pressure angle; cams.
+use crate::cams::{ROLLER, elliptic, lift, oscillating, parsed, translating};
+use crate::friction_balance::coefficient;
 use crate::slots::{arc, slot};
 use crate::support::definition::{G, With, friction, pin, rod, slide, weight};
 use crate::support::numeric::runge_kutta;
-use crate::support::{Run, assert_near, assert_says, refusal};
+use crate::support::{Run, Vec2, assert_near, assert_says, refusal, turned};
 use serde_json::{Value, json};
+use std::f64::consts::{PI, TAU};
 
 const MU: [f64; 2] = [0.25, 0.12];
 
@@ -223,9 +226,127 @@ fn a_rack_presses_its_slide() {
     }
 }
 
+/// A follower slides on its cam, with friction at the contact only. The lift and the geometry of the contact are computed
+/// here. `r`: the contact from the axis of the cam; `n`, `t`: the normal out of the cam and the tangent clockwise.
 #[test]
-fn what_friction_cannot_do_with_teeth_is_refused() {
-    let gears = crate::cams::elliptic(json!({ "eccentricity": 0.3, "pressure_angle": 0.3 }));
-    let gears = crate::cams::parsed(&gears).with(json!({ "friction": friction([0.1; 2], [0.01, 0.1]) }));
+fn a_sliding_follower_rubs_on_its_cam() {
+    let (law, mu) = ("polynomial_345", [0.3, 0.2]);
+    let free = json!({ "static_coefficient": 0, "kinetic_coefficient": 0 });
+    for is_flat in [true, false] {
+        let follower = if is_flat { json!({ "follower": "flat" }) } else { parsed(ROLLER) };
+        let own = json!({ "static_coefficient": mu[0], "kinetic_coefficient": mu[1] });
+        let text = parsed(&translating(law, follower.with(own))).with(json!({
+            "friction": friction(MU, [0.05, 0.4]), "joints": { "guide": free },
+            "torques": { "motor": { "torque": 5 } }, "springs": { "spring": { "preload": 300 } },
+            "bodies": { "disc": { "inertia": 0.3 } }, "start": { "speed": 10 }, "solver": { "tolerance": 1e-12 },
+        }));
+        let mut run = Run::new(text).started();
+        let (offset, base) = if is_flat { (0.0, 0.04) } else { (0.012, 0.05) };
+        let height = f64::sqrt(base * base - offset * offset);
+        for step in 0..150 {
+            run.step(0.01);
+            let what = format!("flat {is_flat}, step {step}");
+            let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("disc.{o}")));
+            let [s, s1, s2] = lift(law, 0.02, theta - 0.5);
+            let (r, t) = if is_flat {
+                (Vec2::new(s1, height + s), Vec2::new(1.0, 0.0))
+            } else {
+                let center = Vec2::new(0.012, height + s);
+                let t = (Vec2::new(0.0, s1) - turned(center, PI / 2.0)).normalize();
+                (center - 0.01 * turned(t, PI / 2.0), t)
+            };
+            let n = turned(t, PI / 2.0);
+            // The cam turns anticlockwise, so the follower slips clockwise on it.
+            let slip = t.dot(&(Vec2::new(0.0, s1) - turned(r, PI / 2.0))) * omega;
+            assert_near(run.get("cam.slip_speed"), slip, 1e-12 * slip.abs(), &what);
+            let (contact, friction) = (run.get("cam.contact_force"), run.get("cam.friction_force"));
+            let expected = -coefficient(mu, [0.05, 0.4], slip.abs()) * contact.abs() * slip.signum();
+            assert_near(friction, expected, 1e-11 * contact.abs(), &what);
+            let given = contact * n + friction * t;
+            let up = s1 * alpha + s2 * omega * omega;
+            let spring = 1000.0 * (run.get("guide.position") + 0.12) + 300.0;
+            let size = contact.abs().max(1.0);
+            assert_near(given.y, 0.6 * (up + 9.81) + spring, 1e-10 * size, &what);
+            let arm = turned(Vec2::new(0.005, 0.002), theta);
+            let moment = 5.0 + arm.perp(&Vec2::new(0.0, -1.2 * 9.81)) - r.perp(&given);
+            assert_near((0.3 + 1.2 * arm.norm_squared()) * alpha, moment, 1e-10 * size, &what);
+            assert!(contact > 0.0, "{what}: {contact}");
+            run.near("energy.drift", 0.0, 1e-9);
+        }
+        assert!(run.get("disc.angle") > TAU);
+    }
+}
+
+/// A lever turns on its cam: the velocity of the contact and the balance of both bodies. Derivatives of the slip speed
+/// are those of differences.
+#[test]
+fn a_turning_follower_rubs_on_its_cam() {
+    let (law, pivot, mu) = ("polynomial_4567", Vec2::new(0.14, 0.03), 0.2);
+    for is_flat in [true, false] {
+        let follower = if is_flat { json!({ "follower": "flat" }) } else { parsed(ROLLER) };
+        let own = json!({ "static_coefficient": mu, "kinetic_coefficient": mu });
+        let text = parsed(&oscillating(law, follower.with(own)))
+            .with(json!({ "friction": friction([mu; 2], [0.0; 2]).with(json!({ "law": "stick" })) }))
+            .to_string();
+        let mut run = Run::new(&text).started();
+        let mut slips = [0.0; 2];
+        for step in 0..40 {
+            let saved = run.saved();
+            run.step(0.01);
+            let mut other = Run::new(&text).started();
+            other.take(&saved);
+            other.step(0.01);
+            assert_eq!(run.bits(["disc.speed", "cam.slip_speed"]), other.bits(["disc.speed", "cam.slip_speed"]));
+            let what = format!("flat {is_flat}, step {step}");
+            let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("disc.{o}")));
+            let [phi, psi] = ["angle", "acceleration"].map(|o| run.get(&format!("lever.{o}")));
+            let [_, s1, _] = lift(law, 0.25, theta + 0.3);
+            let arm = turned(Vec2::new(0.16, 0.0), phi);
+            let (r, n) = if is_flat {
+                let along = arm / 0.16;
+                let normal = turned(along, if along.perp(&-pivot) > 0.0 { -PI / 2.0 } else { PI / 2.0 });
+                let rate = |r: Vec2, ratio: f64| ratio * normal.dot(&turned(r, PI / 2.0));
+                (pivot - rate(pivot, 1.0) / (rate(along, 1.0) + rate(along, s1)) * along, normal)
+            } else {
+                let center = pivot + arm;
+                let relative = -s1 * turned(arm, PI / 2.0) - turned(center, PI / 2.0);
+                let normal = turned(relative, PI / 2.0).normalize();
+                (center - 0.01 * normal, normal)
+            };
+            let t = turned(n, -PI / 2.0);
+            let slip = t.dot(&(-s1 * turned(r - pivot, PI / 2.0) - turned(r, PI / 2.0))) * omega;
+            assert_near(run.get("cam.slip_speed"), slip, 1e-11 * slip.abs(), &what);
+            let contact = run.get("cam.contact_force");
+            let given = contact * n - mu * contact.abs() * slip.signum() * t;
+            let size = 10.0 * contact.abs().max(1.0);
+            assert_near(0.004 * alpha, -0.5 - r.perp(&given), 1e-11 * size, &what);
+            assert_near(0.3 * 0.16 * 0.16 / 3.0 * psi, 1.5 + (r - pivot).perp(&given), 1e-11 * size, &what);
+            run.near("energy.drift", 0.0, 1e-9);
+            // Central difference over 2 us.
+            let derivative = run.derivative("cam.slip_speed");
+            for (slip, h) in slips.iter_mut().zip([1e-6, 2e-6]) {
+                let mut ahead = run.clone();
+                ahead.step(h);
+                *slip = ahead.get("cam.slip_speed");
+            }
+            let now = run.get("cam.slip_speed");
+            let difference = (4.0 * slips[0] - slips[1] - 3.0 * now) / 2e-6;
+            assert_near(derivative, difference, 1e-6 * alpha.abs().max(100.0), &what);
+        }
+    }
+}
+
+#[test]
+fn what_cannot_rub_is_refused() {
+    let own = json!({ "follower": "flat", "kinetic_coefficient": 0.2 });
+    let cam = parsed(&translating("cycloidal", own));
+    assert_says(refusal(cam.clone()), &["couplings.cam.kinetic_coefficient", "add the key friction"]);
+    let sticking = json!({ "friction": friction([0.1; 2], [0.0; 2]).with(json!({ "law": "stick" })) });
+    assert_says(refusal(cam.clone().with(sticking.clone())), &["couplings.cam.kinetic_coefficient", "0.1", "0.2"]);
+    let grooved = json!({ "couplings": { "cam": { "grooved": true } } }).with(sticking);
+    assert_says(refusal(cam.with(grooved)), &["couplings.cam.kinetic_coefficient", "groove"]);
+
+    let gears = elliptic(json!({ "eccentricity": 0.3, "pressure_angle": 0.3 }));
+    let gears = parsed(&gears).with(json!({ "friction": friction([0.1; 2], [0.01, 0.1]) }));
     assert_says(refusal(gears), &["couplings.mesh.pressure_angle", "elliptic gears"]);
 }

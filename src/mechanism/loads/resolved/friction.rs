@@ -4,7 +4,7 @@
 use super::Loading;
 use super::ends::joint_load;
 use super::couplings::pressure_angles;
-use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
+use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
 use crate::mechanism::loads::unit_load::Load;
@@ -20,7 +20,7 @@ const HOLD: f64 = 1e-12;
 pub struct JointFriction {
     /// Whether friction that reactions cause in joints acts; losses of couplings and constant friction do in any case.
     pub enabled: bool,
-    /// Joints with friction, then couplings with losses, then teeth, then joints with constant friction.
+    /// Joints and cams with friction, then couplings with losses, then teeth, then joints with constant friction.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
@@ -54,7 +54,7 @@ impl JointFriction {
 /// What the friction of a joint follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionKind {
-    /// The reaction of a joint.
+    /// The reaction of a joint, or the contact force of a cam.
     Joint,
     /// The transmitted force of a coupling: its loss.
     Coupling,
@@ -77,9 +77,10 @@ pub enum FrictionKind {
 pub struct FrictionJoint {
     /// Index of the joint.
     pub joint: usize,
-    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
+    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one, along the
+    /// curve of a slot, along the profile of a cam.
     pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of
+    /// Radius of the pin of a revolute joint [m]; 1 for another joint or a cam, where the load is a force; pitch radius of
     /// the second wheel of a coupling, or 1; of teeth -tan(alpha), with the pressure angle alpha.
     pub radius: f64,
     /// What the friction follows from.
@@ -199,25 +200,32 @@ impl Loading {
             let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
             return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
         }
+        let law = |key: fmt::Arguments, own: [Option<f64>; 2]| {
+            let [at_rest, slipping] = [own[0].unwrap_or(static_coefficient), own[1].unwrap_or(kinetic_coefficient)];
+            if sticks && at_rest < slipping {
+                return Err(static_below_kinetic(key, own, [at_rest, slipping]));
+            }
+            Ok(Law { sticks, static_coefficient: at_rest, kinetic_coefficient: slipping, static_speed, kinetic_speed })
+        };
+        let (kind, back) = (FrictionKind::Joint, 1.0);
         for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let radius = match (resolved.freedom, defined.pin_radius) {
                 (Freedom::Prismatic(_) | Freedom::Slot(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
                 (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
             };
-            let law = Law {
-                sticks,
-                static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
-                kinetic_coefficient: defined.kinetic_coefficient.unwrap_or(kinetic_coefficient),
-                static_speed,
-                kinetic_speed,
-            };
-            if sticks && law.static_coefficient < law.kinetic_coefficient {
-                return Err(static_below_kinetic(name, defined, &law));
-            }
-            let (load, kind, back) = (self.loads.len(), FrictionKind::Joint, 1.0);
+            let own = [defined.static_coefficient, defined.kinetic_coefficient];
+            let (load, law) = (self.loads.len(), law(format_args!("joints.{name}"), own)?);
             friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law });
             self.loads.push(joint_load(linkage, joint, 0.0));
+        }
+        for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
+            let own = [defined.static_coefficient, defined.kinetic_coefficient];
+            if own != [None; 2] {
+                let (joint, load, law) = (mechanism.joints.len() + coupling, self.loads.len(), law(format_args!("couplings.{name}"), own)?);
+                friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+                self.loads.push(Load::Rub { coupling });
+            }
         }
         Ok(())
     }
@@ -257,13 +265,13 @@ fn check_law(mechanism: &Mechanism, what: &str, key: fmt::Arguments) -> Result<(
 
 /// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at
 /// once.
-fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionError {
-    let key = match (defined.static_coefficient, defined.kinetic_coefficient) {
-        (None, None) => "friction.static_coefficient".to_owned(),
-        (None, Some(_)) => format!("joints.{joint}.kinetic_coefficient"),
-        (Some(_), _) => format!("joints.{joint}.static_coefficient"),
+fn static_below_kinetic(key: fmt::Arguments, own: [Option<f64>; 2], present: [f64; 2]) -> DefinitionError {
+    let key = match own {
+        [None, None] => "friction.static_coefficient".to_owned(),
+        [None, Some(_)] => format!("{key}.kinetic_coefficient"),
+        [Some(_), _] => format!("{key}.static_coefficient"),
     };
-    let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
+    let [rest, slip] = present.map(Decimal);
     let message = format!(
         "the static coefficient {rest} is smaller than the kinetic coefficient {slip}, but \"law\": \"stick\" needs \
          a static coefficient that is at least as large"
