@@ -350,3 +350,37 @@ fn what_cannot_rub_is_refused() {
     let gears = parsed(&gears).with(json!({ "friction": friction([0.1; 2], [0.01, 0.1]) }));
     assert_says(refusal(gears), &["couplings.mesh.pressure_angle", "elliptic gears"]);
 }
+
+/// Gears with losses on pins that rub: the friction belongs to the reported reactions, with the force that pushes the
+/// teeth apart. Without friction of the pins, the motion is that of the file without the key `friction`. Gears that lock
+/// themselves hold the spring.
+#[test]
+fn teeth_with_losses_press_the_pins() {
+    for (back, mu, enabled) in [(0.5, 0.2, true), (0.0, 0.2, true), (0.5, 0.2, false), (0.0, 0.0, true)] {
+        let more = json!({
+            "couplings": { "mesh": { "efficiency": 0.8, "backward_efficiency": back } },
+            "springs": { "coil": { "joint": "b", "stiffness": 40, "free_angle": 0.8 } }, "start": { "speed": 40 },
+        });
+        let text = gears(0.0, 0.0, mu, more.with(json!({ "friction": { "enabled": enabled } })));
+        let mut bare = text.clone();
+        bare.as_object_mut().unwrap().remove("friction");
+        ["a", "b"].iter().for_each(|joint| drop(bare["joints"][joint].as_object_mut().unwrap().remove("pin_radius")));
+        let [mut run, mut bare] = [text, bare].map(|text| Run::new(text).started());
+        for _ in 0..60 {
+            run.step(0.01);
+            bare.step(0.01);
+            run.near("energy.drift", 0.0, 1e-9);
+            if enabled && mu > 0.0 {
+                let [torque, force] = ["b.friction_torque", "b.force"].map(|name| run.get(name).abs());
+                let limit = mu * RHO[1] * force;
+                let is_at_limit = if run.is("friction.sticking") { torque <= limit } else { (torque - limit).abs() < 1e-9 };
+                assert!(is_at_limit, "{torque} {limit}");
+            } else {
+                for name in ["one.angle", "a.force", "mesh.force"] {
+                    run.near(name, bare.get(name), 1e-9);
+                }
+            }
+        }
+        assert_eq!(run.is("friction.sticking"), back == 0.0);
+    }
+}

@@ -40,7 +40,7 @@ pub(super) fn pressure_angles(mechanism: &Mechanism) -> impl Iterator<Item = (us
 }
 
 impl Loading {
-    /// Add the teeth of a mechanism whose joints have no friction; with friction these belong to its loop.
+    /// Add the teeth of a mechanism whose joints have no friction. With friction these are added with it.
     pub(super) fn add_meshes(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
         let joints = mechanism.joints.len();
         for (coupling, (name, angle)) in pressure_angles(mechanism).filter(|_| mechanism.friction.is_none()) {

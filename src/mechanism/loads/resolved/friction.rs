@@ -3,7 +3,7 @@
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
 use super::Loading;
 use super::ends::joint_load;
-use super::couplings::pressure_angles;
+use super::couplings::{Mesh, pressure_angles};
 use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
@@ -162,7 +162,9 @@ impl Loading {
                 return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
             }
             let (joint, load, kind) = (mechanism.joints.len() + coupling, self.loads.len(), FrictionKind::Teeth);
-            friction_joints.push(FrictionJoint { joint, load, radius: -angle.tan(), kind, back: 1.0, law: ANY_SLIP });
+            let tangent = angle.tan();
+            friction_joints.push(FrictionJoint { joint, load, radius: -tangent, kind, back: 1.0, law: ANY_SLIP });
+            self.meshes.push(Mesh { joint, loads: [load; 2], tangent });
             self.loads.push(Load::Separation { coupling, lean: 0.0 });
         }
         Ok(())
