@@ -124,6 +124,7 @@ impl Mechanism {
         for (name, coupling) in self.couplings.iter_mut() {
             take(idle, format!("couplings.{name}.efficiency"), &mut coupling.efficiency);
             take(idle, format!("couplings.{name}.pretension"), &mut coupling.pretension);
+            (coupling.static_coefficient, coupling.kinetic_coefficient) = (None, None);
         }
         for (name, joint) in self.joints.iter_mut() {
             take(idle, format!("joints.{name}.frictionloss"), &mut joint.frictionloss);
