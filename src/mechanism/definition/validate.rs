@@ -190,6 +190,11 @@ impl Mechanism {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
             }
+            if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
+                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
+                               inertia, or give an efficiency above 0";
+                faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
+            }
             let slot = a.joint.as_ref().and_then(|joint| self.joints.get(joint)).filter(|j| j.kind == JointKind::Slot);
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
                 if slot.is_some() && is_given {

@@ -323,8 +323,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         if n == 0 {
             return Ok(bare);
         }
-        if let Some(direction) = breakaway {
-            self.set_static_arms(state_loads, direction);
+        match breakaway {
+            Some(direction) => self.set_static_arms(state_loads, direction),
+            None => losses::turn_forward(&mut self.friction, state_loads),
         }
         let effects = self.effects.as_flattened();
         // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace

@@ -222,7 +222,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     };
     let law = |l: &'l Loading| l.drives.iter().filter_map(|drive| drive.law.as_ref()).find(|law| law.load == load);
     let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.loads.contains(&load));
-    one.loads[load] == other.loads[load]
+    one.loads.get(load) == other.loads.get(load)
         && mesh(one) == mesh(other)
         && law(one) == law(other)
         && constant(one) == constant(other)

@@ -20,7 +20,8 @@ const HOLD: f64 = 1e-12;
 pub struct JointFriction {
     /// Whether friction that reactions cause in joints acts; losses of couplings and constant friction do in any case.
     pub enabled: bool,
-    /// Joints and cams with friction, then couplings with losses, then teeth, then joints with constant friction.
+    /// Joints and cams with friction, then couplings with losses, then teeth, then screws that lock themselves, then
+    /// joints with constant friction.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
@@ -61,6 +62,13 @@ pub enum FrictionKind {
     /// The transmitted force F_t of a coupling with teeth: no friction, but the force |F_t| tan(alpha) that pushes the
     /// wheels apart, whichever way they turn. It does no work, and loads the joints with friction.
     Teeth,
+    /// The force of a screw that locks itself on its nut: its loss, as that of a coupling between screw and nut.
+    Screw {
+        /// Index of the drive.
+        drive: usize,
+        /// Index of the rotor.
+        rotor: usize,
+    },
     /// Nothing: it is constant, [N.m] in a revolute joint or [N] in a prismatic one.
     Constant(f64),
 }
@@ -75,7 +83,7 @@ pub enum FrictionKind {
 /// body gives or gets N / eta, or eta_b N: nothing for eta_b = 0, a coupling that locks itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
-    /// Index of the joint.
+    /// Index of the joint; of a screw an index of its own, above those of all joints.
     pub joint: usize,
     /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one, along the
     /// curve of a slot, along the profile of a cam.
@@ -92,6 +100,17 @@ pub struct FrictionJoint {
 }
 
 impl FrictionJoint {
+    /// Whether it is a loss, which depends on the direction in which power flows.
+    pub fn is_loss(&self) -> bool {
+        matches!(self.kind, FrictionKind::Coupling | FrictionKind::Screw { .. })
+    }
+
+    /// Whether it follows from one component of a reaction, whose sign can be held.
+    pub fn has_normal_force(&self, linkage: &Linkage) -> bool {
+        let is_pin = linkage.joints.get(self.joint).is_some_and(|joint| joint.freedom == Freedom::Revolute);
+        !is_pin && !matches!(self.kind, FrictionKind::Constant(_))
+    }
+
     /// Arm of the friction, mu with its sign times the radius [m, or 1], over the slip speed [m/s] on a regime.
     #[inline]
     pub fn arm(&self, regime: Regime) -> Cubic {
@@ -107,6 +126,7 @@ impl Loading {
         }
         self.add_losses(mechanism, linkage, &mut friction_joints)?;
         self.add_teeth(mechanism, &mut friction_joints)?;
+        self.add_screws(mechanism, linkage, &mut friction_joints)?;
         self.add_constant(mechanism, linkage, &mut friction_joints)?;
         let enabled = mechanism.friction.as_ref().is_some_and(|friction| friction.enabled.unwrap_or(false));
         if mechanism.friction.is_some() || !friction_joints.is_empty() {
@@ -142,10 +162,7 @@ impl Loading {
             };
             let (joint, index) = (coupling.joint, self.loads.len());
             let backward = defined.backward_efficiency.unwrap_or(efficiency);
-            // Their ratio needs losses in both directions, which may be rounding.
-            let lost = (1.0 / efficiency - 1.0).max(f64::EPSILON);
-            let lost_back = if backward == 0.0 { 1.0 + HOLD } else { (1.0 - backward).max(f64::EPSILON) };
-            let (kind, law, back) = (FrictionKind::Coupling, coulomb(lost), lost_back / lost);
+            let (kind, (law, back)) = (FrictionKind::Coupling, loss(efficiency, backward));
             friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
             self.loads.push(load);
         }
@@ -170,7 +187,26 @@ impl Loading {
         Ok(())
     }
 
-    /// Add the constant friction of joints, behind the teeth.
+    /// Add the losses of screws that lock themselves, behind the teeth.
+    fn add_screws(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        let screws = mechanism.actuators.iter().enumerate().filter(|(_, (_, defined))| defined.screw.is_some());
+        for (rotor, (drive, (name, defined))) in screws.enumerate().filter(|(_, (_, (_, own)))| own.locks_itself()) {
+            check_law(mechanism, "a screw that locks itself", format_args!("actuators.{name}.backward_efficiency"))?;
+            let (joint, load, kind) =
+                (linkage.joints.len() + drive, self.loads.len(), FrictionKind::Screw { drive, rotor });
+            let (law, back) = loss(defined.efficiency.unwrap_or(1.0), 0.0);
+            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+            self.loads.push(self.loads[drive].along().clone());
+        }
+        Ok(())
+    }
+
+    /// Add the constant friction of joints, behind the screws.
     fn add_constant(
         &mut self,
         mechanism: &Mechanism,
@@ -231,6 +267,14 @@ impl Loading {
         }
         Ok(())
     }
+}
+
+/// Law of the loss of an efficiency where power flows forward, and the coefficient where it flows back over that.
+fn loss(forward: f64, backward: f64) -> (Law, f64) {
+    // Their ratio needs losses in both directions, which may be rounding.
+    let lost = (1.0 / forward - 1.0).max(f64::EPSILON);
+    let lost_back = if backward == 0.0 { 1.0 + HOLD } else { (1.0 - backward).max(f64::EPSILON) };
+    (coulomb(lost), lost_back / lost)
 }
 
 /// The coefficient 1 at any slip of either sign.
