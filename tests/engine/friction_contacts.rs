@@ -52,9 +52,17 @@ fn a_pin_in_a_straight_slot_rubs_as_a_slide() {
         for _ in 0..60 {
             [&mut pin, &mut block].into_iter().for_each(|run| run.step(0.02));
             for name in [
-                "crank.angle", "crank.speed", "crank.acceleration", "guide.friction_force", "guide.slip_speed",
-                "pivot.friction_torque", "guide.force_x", "guide.force_y", "motor.required_force",
-                "motor.breakaway_torque_forward", "motor.breakaway_torque_backward",
+                "crank.angle",
+                "crank.speed",
+                "crank.acceleration",
+                "guide.friction_force",
+                "guide.slip_speed",
+                "pivot.friction_torque",
+                "guide.force_x",
+                "guide.force_y",
+                "motor.required_force",
+                "motor.breakaway_torque_forward",
+                "motor.breakaway_torque_backward",
             ] {
                 let expected = block.get(name);
                 pin.near(name, expected, 1e-8 * expected.abs().max(1.0));
@@ -88,7 +96,12 @@ fn a_pin_in_an_arc_rubs_as_a_large_pin() {
         in_slot.near("c.friction_force", links.get("d.friction_torque") / 0.3, 1e-7);
         in_slot.near("energy.drift", 0.0, 1e-9);
     }
-    assert_near(in_slot.get("c.friction_force").abs() / in_slot.get("c.force"), mu / (1.0 - mu * mu).sqrt(), 1e-12, "mu");
+    assert_near(
+        in_slot.get("c.friction_force").abs() / in_slot.get("c.force"),
+        mu / (1.0 - mu * mu).sqrt(),
+        1e-12,
+        "mu",
+    );
 }
 
 const ALPHA: f64 = 0.4;
@@ -226,8 +239,8 @@ fn a_rack_presses_its_slide() {
     }
 }
 
-/// A follower slides on its cam, with friction at the contact only. The lift and the geometry of the contact are computed
-/// here. `r`: the contact from the axis of the cam; `n`, `t`: the normal out of the cam and the tangent clockwise.
+/// A follower slides on its cam, with friction at the contact only. The test computes the lift and the geometry of the
+/// contact. `r`: the contact from the axis of the cam; `n`, `t`: the normal out of the cam and the tangent clockwise.
 #[test]
 fn a_sliding_follower_rubs_on_its_cam() {
     let (law, mu) = ("polynomial_345", [0.3, 0.2]);
@@ -352,8 +365,8 @@ fn what_cannot_rub_is_refused() {
 }
 
 /// Gears with losses on pins that rub: the friction belongs to the reported reactions, with the force that pushes the
-/// teeth apart. Without friction of the pins, the motion is that of the file without the key `friction`. Gears that lock
-/// themselves hold the spring.
+/// teeth apart. Without friction of the pins, the motion is that of the file without the key `friction`. Gears that
+/// lock themselves hold the spring.
 #[test]
 fn teeth_with_losses_press_the_pins() {
     for (back, mu, enabled) in [(0.5, 0.2, true), (0.0, 0.2, true), (0.5, 0.2, false), (0.0, 0.0, true)] {
@@ -373,7 +386,8 @@ fn teeth_with_losses_press_the_pins() {
             if enabled && mu > 0.0 {
                 let [torque, force] = ["b.friction_torque", "b.force"].map(|name| run.get(name).abs());
                 let limit = mu * RHO[1] * force;
-                let is_at_limit = if run.is("friction.sticking") { torque <= limit } else { (torque - limit).abs() < 1e-9 };
+                let is_at_limit =
+                    if run.is("friction.sticking") { torque <= limit } else { (torque - limit).abs() < 1e-9 };
                 assert!(is_at_limit, "{torque} {limit}");
             } else {
                 for name in ["one.angle", "a.force", "mesh.force"] {

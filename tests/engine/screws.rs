@@ -146,8 +146,8 @@ fn wrong_screws_are_rejected() {
     );
 }
 
-/// A screw that locks itself: upward the nut gets the efficiency times the force of motor and inertia; downward with the
-/// load the motor turns the screw alone, and the load moves with it. The second runs have the load upward.
+/// A screw that locks itself: upward the nut gets the efficiency times the force of motor and inertia; downward with
+/// the load the motor turns the screw alone, and the load moves with it. The second runs have the load upward.
 #[test]
 fn a_screw_that_locks_itself_carries_its_load() {
     let (eta, inertia, ratio) = (0.35, 2e-4, TAU / 0.005);

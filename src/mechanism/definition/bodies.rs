@@ -106,11 +106,11 @@ keys! {
             .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
 
-    /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
-    /// the law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
-    /// `static_speed`. Above `static_speed` the coefficient mu falls along a cubic curve to the kinetic coefficient at
-    /// `kinetic_speed`. With the law `stick`, the coefficient mu is the static coefficient up to `static_speed`, and
-    /// friction holds the mechanism at rest.
+    /// Friction acts in every revolute joint with a `pin_radius`, in every prismatic joint ([HF08] section 4), in every
+    /// slot, and in every cam with a coefficient of friction. With the law `viscous` the coefficient mu(v) rises in
+    /// proportion to the slip speed v, up to the static coefficient at `static_speed`. Above `static_speed` the
+    /// coefficient mu falls along a cubic curve to the kinetic coefficient at `kinetic_speed`. With the law `stick`, the
+    /// coefficient mu is the static coefficient up to `static_speed`, and friction holds the mechanism at rest.
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>

@@ -72,8 +72,8 @@ keys! {
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
-        /// Cam: coefficient of static friction between cam and follower [1], >= 0. Without both coefficients the contact
-        /// has no friction. If only one of the two coefficients is given, the key `friction` states the other one. For a
+        /// Cam: coefficient of static friction between cam and follower [1], >= 0. A cam without both coefficients has
+        /// no friction. If only one of the two coefficients is given, the key `friction` states the other one. For a
         /// roller, give the coefficient of the pin of the roller times its pin radius / `roller_radius`.
         static_coefficient: Option<f64> => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of static friction of the contact of the cam @");
@@ -285,8 +285,10 @@ impl Mechanism {
         if let Some(contact) = &coupling.contact {
             self.point(key("contact"), contact)?;
         }
-        let coefficients =
-            [("static_coefficient", coupling.static_coefficient), ("kinetic_coefficient", coupling.kinetic_coefficient)];
+        let coefficients = [
+            ("static_coefficient", coupling.static_coefficient),
+            ("kinetic_coefficient", coupling.kinetic_coefficient),
+        ];
         if let Some((k, _)) = coefficients.into_iter().find(|(_, value)| value.is_some()) {
             if self.friction.is_none() {
                 return refused(k, "this key has no effect without friction: add the key friction, or remove this key");

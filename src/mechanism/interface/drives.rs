@@ -196,8 +196,7 @@ fn displacement_of(s: &Source, load: usize) -> (&'static str, [Unit; 3]) {
 /// The loss of a screw that locks itself.
 fn add_loss(b: &mut Builder, drive: usize) {
     let s = b.source;
-    let is_own =
-        |own: &FrictionJoint| matches!(own.kind, FrictionKind::Screw { drive: driven, .. } if driven == drive);
+    let is_own = |own: &FrictionJoint| matches!(own.kind, FrictionKind::Screw { drive: driven, .. } if driven == drive);
     let mut friction_joints = s.loading.friction.iter().flat_map(|friction| &friction.friction_joints);
     let Some(friction_joint) = friction_joints.position(is_own) else { return };
     let name = s.loading.drives[drive].name.as_str();

@@ -60,8 +60,8 @@ pub enum Load {
         /// ratio; else 0.
         lean: f64,
     },
-    /// 1 N along the profile of a cam on its follower, clockwise about the cam, and -1 N on the cam. The rate of S is the
-    /// velocity of the follower along the profile, relative to the cam; S itself is not computed, and is 0.
+    /// 1 N along the profile of a cam on its follower, clockwise about the cam, and -1 N on the cam. The rate of S is
+    /// the velocity of the follower along the profile, relative to the cam; S itself is not computed, and is 0.
     Rub {
         /// Index of the coupling.
         coupling: usize,

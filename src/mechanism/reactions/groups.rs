@@ -41,8 +41,8 @@ impl Groups {
                 leaders.push(member);
                 own.ends.push([i, i]);
             }
-            let is_revolute = joint
-                .is_none_or(|joint| linkage.joints.get(joint).is_some_and(|own| own.freedom == Freedom::Revolute));
+            let is_revolute =
+                joint.is_none_or(|joint| linkage.joints.get(joint).is_some_and(|own| own.freedom == Freedom::Revolute));
             let lever = member.lever - leaders[group].lever;
             own.of.push(group);
             own.signs.push(member.sign * leaders[group].sign);

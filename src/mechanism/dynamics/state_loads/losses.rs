@@ -39,8 +39,7 @@ fn solve_with_losses<T: Number>(
     state_loads: &StateLoads,
     balance: &Balance<T>,
 ) -> Result<(), Locked> {
-    let couplings =
-        || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_loss());
+    let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_loss());
     for (j, joint) in couplings() {
         let held = friction.sign[j];
         let force = if held == 0.0 { balance.free[0][j].value() } else { held };

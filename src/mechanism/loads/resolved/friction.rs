@@ -2,8 +2,8 @@
 //!
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
 use super::Loading;
-use super::ends::joint_load;
 use super::couplings::{Mesh, pressure_angles};
+use super::ends::joint_load;
 use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
@@ -88,8 +88,8 @@ pub struct FrictionJoint {
     /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one, along the
     /// curve of a slot, along the profile of a cam.
     pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for another joint or a cam, where the load is a force; pitch radius of
-    /// the second wheel of a coupling, or 1; of teeth -tan(alpha), with the pressure angle alpha.
+    /// Radius of the pin of a revolute joint [m]; 1 for another joint or a cam, where the load is a force; pitch radius
+    /// of the second wheel of a coupling, or 1; of teeth -tan(alpha), with the pressure angle alpha.
     pub radius: f64,
     /// What the friction follows from.
     pub kind: FrictionKind,
@@ -170,7 +170,11 @@ impl Loading {
     }
 
     /// Add the teeth that push wheels apart in a mechanism whose joints have friction, behind the losses of couplings.
-    fn add_teeth(&mut self, mechanism: &Mechanism, friction_joints: &mut Vec<FrictionJoint>) -> Result<(), DefinitionError> {
+    fn add_teeth(
+        &mut self,
+        mechanism: &Mechanism,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
         let Some(_) = &mechanism.friction else { return Ok(()) };
         for (coupling, (name, angle)) in pressure_angles(mechanism) {
             if mechanism.couplings.get(name).is_some_and(|own| own.kind == CouplingKind::EllipticGears) {
@@ -260,7 +264,8 @@ impl Loading {
         for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
             let own = [defined.static_coefficient, defined.kinetic_coefficient];
             if own != [None; 2] {
-                let (joint, load, law) = (mechanism.joints.len() + coupling, self.loads.len(), law(format_args!("couplings.{name}"), own)?);
+                let (joint, load, law) =
+                    (mechanism.joints.len() + coupling, self.loads.len(), law(format_args!("couplings.{name}"), own)?);
                 friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
                 self.loads.push(Load::Rub { coupling });
             }
