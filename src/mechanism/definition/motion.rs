@@ -1,14 +1,13 @@
 //! The prescribed motion of a drive, as the file states it.
+use super::Mechanism;
 use super::interpolation::Interpolation;
-use super::loads::Actuator;
-use super::mechanism::Mechanism;
-use crate::format::{DefinitionError, Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
+use super::refusal::refused;
+use crate::format::{Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
 use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
 use crate::variables::Unit::{
     Metre, MetrePerSecond, MetrePerSecondSquared, Radian, RadianPerSecond, RadianPerSecondSquared, Second,
 };
-use std::fmt;
 
 keys! {
     /// Prescribed motion of a drive, either by the inputs `<name>.motion.position`, `.speed` and `.acceleration` or by
@@ -132,37 +131,4 @@ impl Mechanism {
             all.push(Finding::warning("start.speed", message, remedy));
         }
     }
-
-    /// Faults of the motion of a drive, if it has one.
-    pub(super) fn check_motion(&self, name: &str, drive: &Actuator, faults: &mut Faults) {
-        let Some(motion) = &drive.motion else { return };
-        let key = format!("actuators.{name}.motion");
-        if self.has_hydraulics() {
-            let message = match self.hydraulic_drive() {
-                Some((_, other, _)) => format!(
-                    "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit \
-                     or this motion"
-                ),
-                None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
-            };
-            faults.keep::<()>(refused(&key, message));
-        }
-        if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
-            let message = format!(
-                "the drive {other} already has a prescribed motion, which moves the whole mechanism: remove one of the \
-                 two motions"
-            );
-            faults.keep::<()>(refused(&key, message));
-        }
-        if self.start.equilibrium && motion.enabled {
-            let message = "`start` cannot be `equilibrium` with a prescribed motion, because every position is then an \
-                           equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
-            faults.keep::<()>(refused(&key, message));
-        }
-        motion.check(&key, faults);
-    }
-}
-
-fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
-    Err(DefinitionError::key(key, message))
 }

@@ -4,7 +4,7 @@
 //! numbers N. It must not know how a step is made.
 use crate::hydraulics::circuit::{CIRCUIT, ENERGIES, ENERGY, Equations, Point};
 use crate::hydraulics::network::definition::CAPACITY;
-use crate::mechanism::dynamics::hydraulic::command;
+use crate::mechanism::dynamics::ports::command;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};
 use crate::mechanism::outputs::view::{Reading, View};

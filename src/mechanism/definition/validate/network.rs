@@ -4,8 +4,8 @@
 use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::loads::Actuator;
-use crate::mechanism::definition::mechanism::Mechanism;
 use crate::mechanism::definition::refusal::refused;
 
 impl Mechanism {
