@@ -10,6 +10,9 @@ use std::f64::consts::{PI, TAU};
 
 const MU: [f64; 2] = [0.25, 0.12];
 
+/// Gears with a pressure angle on pins with friction, with a spring.
+pub const TEETH: &str = include_str!("../fixtures/rubbing_teeth.json");
+
 /// A crank whose pin drives a lever, with gravity and a motor; pins with friction. `guided`: the joints between pin and
 /// lever, the bodies there and their guesses.
 fn lever([bodies, joints, guess]: [Value; 3], law: &str) -> Value {

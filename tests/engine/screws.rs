@@ -146,6 +146,14 @@ fn wrong_screws_are_rejected() {
     );
 }
 
+/// The carriage on a screw of efficiency 0.35 that locks itself, with this torque and speed of the carriage.
+pub fn locking(torque: f64, speed: f64) -> Value {
+    carriage().with(json!({
+        "start": { "speed": speed },
+        "actuators": { "motor": { "torque": torque, "efficiency": 0.35, "backward_efficiency": 0 } },
+    }))
+}
+
 /// A screw that locks itself: upward the nut gets the efficiency times the force of motor and inertia; downward with
 /// the load the motor turns the screw alone, and the load moves with it. The second runs have the load upward.
 #[test]
@@ -163,11 +171,8 @@ fn a_screw_that_locks_itself_carries_its_load() {
             (-0.1, 0.0, -0.1 * ratio / screw),
             (0.05, -0.3, 0.05 * ratio / screw),
         ] {
-            let mut run = Run::new(carriage().with(json!({
-                "gravity": { "up_angle": side * FRAC_PI_2 }, "start": { "speed": side * speed },
-                "actuators": { "motor": { "torque": side * torque, "efficiency": eta, "backward_efficiency": 0 } },
-            })))
-            .started();
+            let gravity = json!({ "gravity": { "up_angle": side * FRAC_PI_2 } });
+            let mut run = Run::new(locking(side * torque, side * speed).with(gravity)).started();
             let what = format!("torque {torque}, speed {speed}, side {side}");
             let a = side * expected;
             assert_near(run.get("slide.acceleration"), a, 1e-9 * load / 30.0, &what);
