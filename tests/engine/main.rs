@@ -17,6 +17,7 @@ mod couplings;
 mod creep;
 mod curves;
 mod damped_contact;
+mod delayed_force;
 mod derivatives;
 mod designs;
 mod detents;

@@ -110,6 +110,12 @@ impl Mechanism {
         self.is_rotary(drive.between()) || drive.screw.is_some()
     }
 
+    /// Whether a drive acts along a slot, which no cylinder and no screw follows.
+    pub(super) fn is_in_slot(&self, drive: &Actuator) -> bool {
+        let joint = drive.joint.as_ref().and_then(|joint| self.joints.get(joint));
+        joint.is_some_and(|joint| joint.kind == JointKind::Slot)
+    }
+
     /// Whether a load there is a torque.
     fn is_rotary(&self, place: Option<Between>) -> bool {
         place.is_some_and(|place| place.is_rotary(&self.joints))

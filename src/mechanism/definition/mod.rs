@@ -28,7 +28,7 @@ pub use between::{Between, PLACES};
 pub use bodies::{Body, Drawn, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
-pub use control::{Control, MOST_INTEGRALS, MOST_STATES};
+pub use control::{Control, ControlState, MOST_CONTROL_STATES, MOST_STATES};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};

@@ -20,6 +20,9 @@ use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
 pub(super) use network::idle_keys;
 
+/// Why no cylinder and no screw acts in a slot.
+const CURVED: &str = "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+
 impl Mechanism {
     /// All faults of what was read that show without geometry.
     pub(super) fn find_faults(&mut self, faults: &mut Faults) {
@@ -196,12 +199,9 @@ impl Mechanism {
                                inertia, or give an efficiency above 0";
                 faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
             }
-            let slot = a.joint.as_ref().and_then(|joint| self.joints.get(joint)).filter(|j| j.kind == JointKind::Slot);
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
-                if slot.is_some() && is_given {
-                    let message =
-                        "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
-                    faults.keep::<()>(refused(format_args!("{key}.{k}"), message));
+                if is_given && self.is_in_slot(a) {
+                    faults.keep::<()>(refused(format_args!("{key}.{k}"), CURVED));
                 }
             }
             let turns = is_rotary || a.screw.is_some();
@@ -234,8 +234,11 @@ impl Mechanism {
                 circuit.find_faults(faults);
             }
             faults.keep(check_drive(&key, a));
-            check_control(&key, a, faults);
-            self.check_integral(name, faults);
+            if let Some(control) = &a.control {
+                let others = [a.points.is_some(), a.hydraulics.is_some(), a.motion.is_some()];
+                check_control(&key, control, others, faults);
+            }
+            self.check_control_states(name, faults);
             self.check_motion(name, a, faults);
         }
     }

@@ -8,7 +8,7 @@ mod free;
 mod losses;
 
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
-use crate::mechanism::definition::MOST_INTEGRALS;
+use crate::mechanism::definition::MOST_CONTROL_STATES;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
@@ -51,10 +51,10 @@ pub struct StateLoadEvaluator<T> {
     pub delivered: Vec<T>,
     /// Pressures of the chambers of each hydraulic cylinder [Pa]; 0 without one.
     pub pressures: [[T; 2]; MOST_CYLINDERS],
-    /// Integral parts of the forces of controlled drives [N or N.m]; 0 without one.
-    pub integrals: [T; MOST_INTEGRALS],
+    /// States of controllers [N or N.m]; none where controllers are evaluated without them.
+    pub controllers: Option<[T; MOST_CONTROL_STATES]>,
     /// Their rates at the last evaluation [N/s or N.m/s].
-    pub integral_rates: [T; MOST_INTEGRALS],
+    pub controller_rates: [T; MOST_CONTROL_STATES],
     pub loads: Vec<T>,
     /// Loop between friction and the reactions that cause it.
     pub friction: FrictionLoop<T>,
@@ -91,8 +91,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         Self {
             delivered: vec![zero; drives],
             pressures: [[zero; 2]; MOST_CYLINDERS],
-            integrals: [zero; MOST_INTEGRALS],
-            integral_rates: [zero; MOST_INTEGRALS],
+            controllers: None,
+            controller_rates: [zero; MOST_CONTROL_STATES],
             loads: vec![zero; loads],
             friction,
             regimes: vec![None; friction_joints],
@@ -143,12 +143,12 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// A step begins: what is known of the one before does not count.
     pub fn begin_step(&mut self) {
         self.switches.restart();
-        self.friction.prediction.begin();
+        self.friction.begin_step();
     }
 
     /// No step is being made: evaluations do not depend on those before.
     pub fn end_step(&mut self) {
-        self.friction.prediction.end();
+        self.friction.end_step();
     }
 
     /// The held signs of the normal forces are those of the switches.

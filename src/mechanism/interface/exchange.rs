@@ -52,7 +52,7 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let joints = s.loading.friction.as_ref().map_or(0, |friction| friction.friction_joints.len());
     if joints > 0 || s.loading.drives.iter().any(|drive| drive.efficiency.is_some()) {
         all.push((Indicator::Reversal, MetrePerSecond));
-        if s.mechanism.integrating_drives().next().is_some() {
+        if s.mechanism.control_states().next().is_some() {
             all.push((Indicator::Breakaway, MetrePerSecondSquared));
         }
     }
@@ -77,10 +77,10 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let cams = s.linkage.couplings.iter().enumerate().filter(|(_, coupling)| coupling.law.has_knots());
     let laws = drives.filter_map(|(load, drive)| Some((load, drive.law.as_ref()?)));
     all.extend(laws.clone().flat_map(|(drive, law)| {
-        let limits = law.control().map_or([None; 2], |control| control.limits);
-        let stated = [false, true].into_iter().zip(limits).filter(|(_, limit)| limit.is_some());
+        let limits = law.control().map_or([None; 4], |control| control.limits);
+        let stated = (0..).zip(limits).filter(|(_, limit)| limit.is_some());
         let unit = if s.loading.drives[drive].is_rotary { NewtonMetre } else { Newton };
-        stated.map(move |(upper, _)| (Indicator::Limit { drive, upper }, unit))
+        stated.map(move |(side, _)| (Indicator::Limit { drive, side }, unit))
     }));
     let curves = laws.filter(|(_, law)| law.curve().is_some()).map(|(load, _)| Curve::Drive(load));
     let curves = curves.chain(springs().filter(|(_, s)| s.damper.is_some()).map(|(k, _)| Curve::Damper(k)));
@@ -172,10 +172,15 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
                 ],
             )
         }
-        Indicator::Limit { drive, upper } => {
+        Indicator::Limit { drive, side } => {
             let name = s.loading.drives[drive].name.as_str();
-            let limit = if upper { "max_force" } else { "min_force" };
-            let text = ["Event indicator: distance of the demanded force from control.", limit, " of the drive ", name];
+            let (limit, text) = [
+                ("min_force", "demanded force from control.min_force"),
+                ("max_force", "demanded force from control.max_force"),
+                ("falling_force", "force from where it falls at the rate control.max_force_rate"),
+                ("rising_force", "force from where it rises at the rate control.max_force_rate"),
+            ][side];
+            let text = ["Event indicator: distance of the ", text, " of the drive ", name];
             ([name, ".", limit, "_indicator"].concat(), text)
         }
         Indicator::Points(curve) => {

@@ -39,9 +39,9 @@ pub struct StateLoads {
     pub laws: Vec<LawLoad>,
     /// Drives with a position gain, by their indices in `laws`.
     pub positioned: Vec<usize>,
-    /// Number of integral parts of controllers.
-    pub integrals: usize,
-    /// Limits of the forces of controlled drives: index in `laws`, 0 for the lower limit or 1 for the upper one.
+    /// Number of states of controllers.
+    pub controllers: usize,
+    /// Limits of controlled drives: index in `laws`, index in the limits of the control.
     pub limits: Vec<(usize, usize)>,
     /// Whether friction holds at rest.
     pub sticks: bool,
@@ -132,8 +132,8 @@ impl StateLoads {
             let is_positioned = law.control().is_some_and(|control| control.position_gain.is_some());
             let (position, limit) = (is_positioned.then_some(positioned.len()), limits.len());
             positioned.extend(position.map(|_| laws.len()));
-            let stated = law.control().map_or([None; 2], |control| control.limits);
-            limits.extend((0..2).filter(|&side| stated[side].is_some()).map(|side| (laws.len(), side)));
+            let stated = law.control().map_or([None; 4], |control| control.limits);
+            limits.extend((0..4).filter(|&side| stated[side].is_some()).map(|side| (laws.len(), side)));
             laws.push(LawLoad { drive, at: drives.len(), position, limit });
             drives.extend(law.commands());
         }
@@ -170,7 +170,7 @@ impl StateLoads {
             efficient,
             laws,
             positioned,
-            integrals: loading.integrating().count(),
+            controllers: loading.control_states().count(),
             limits,
             sticks,
             loses,

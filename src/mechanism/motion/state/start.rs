@@ -221,8 +221,8 @@ impl State {
                     let state = network_at_start(system, &drives.laws, &lengths);
                     saved.memory = Memory::with_network(state, reduced.loading().ports())?;
                 }
-                _ if reduced.loading().integrating().next().is_some() => {
-                    saved.memory = Memory::with_control(control_at_start(mechanism))?;
+                _ if reduced.loading().control_states().next().is_some() => {
+                    saved.memory = Memory::with_control(control_at_start(mechanism)?)?;
                 }
                 _ => saved.memory.begin(state_loads.is_some()),
             },
