@@ -167,8 +167,6 @@ impl Mechanism {
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
                 ("angle", joint.angle, !is_prismatic, no_slide),
                 ("armature", joint.armature, is_slot, no_slot),
-                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
-                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
@@ -195,6 +193,11 @@ impl Mechanism {
                 if a.hydraulics.is_some() {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
+            }
+            if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
+                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
+                               inertia, or give an efficiency above 0";
+                faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
             }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
                 if is_given && self.is_in_slot(a) {

@@ -316,6 +316,14 @@ impl Loading {
         self.inputs.len() + self.constants.len()
     }
 
+    /// Name of the joint, coupling or drive with this friction.
+    pub fn friction_name<'a>(&'a self, linkage: &'a Linkage, friction: &FrictionJoint) -> &'a str {
+        match friction.kind {
+            FrictionKind::Screw { drive, .. } => &self.drives[drive].name,
+            _ => &linkage.joints[friction.joint].name,
+        }
+    }
+
     /// Name of a load for messages.
     pub fn name(&self, load: usize) -> String {
         match load.checked_sub(self.sized()).map(|spring| self.springs.get(spring)) {
