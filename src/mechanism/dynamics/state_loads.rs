@@ -142,12 +142,12 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// A step begins: what is known of the one before does not count.
     pub fn begin_step(&mut self) {
         self.switches.restart();
-        self.friction.prediction.begin();
+        self.friction.begin_step();
     }
 
     /// No step is being made: evaluations do not depend on those before.
     pub fn end_step(&mut self) {
-        self.friction.prediction.end();
+        self.friction.end_step();
     }
 
     /// The held signs of the normal forces are those of the switches.

@@ -18,4 +18,5 @@ mod view;
 pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use reduced_motion::ReducedMotion;
+pub use tabulated::function_of;
 pub use view::View;

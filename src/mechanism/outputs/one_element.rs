@@ -85,7 +85,7 @@ impl<N: Reading> View<'_, N> {
 
     #[inline(never)]
     fn find_slopes(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
-        let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
+        let (table, position) = self.displacement_table(drive)?;
         let slopes = self.with_derivative(table, position, 1);
         self.cache.drive = Some(DriveTerms { drive, slopes, influence: None });
         Ok(slopes)

@@ -132,7 +132,7 @@ impl ReducedMotion {
         solver: &Solver,
     ) -> Result<Reached, ModelError> {
         let revolutions = self.state.revolutions;
-        match self.state.step(reduced, inputs, h, solver) {
+        match self.state.step(reduced, inputs, (h, solver), &self.cache.scratch) {
             Ok(reached) => {
                 self.state.pass(point, reached.time(h));
                 self.invalidate(revolutions);
@@ -167,7 +167,8 @@ impl ReducedMotion {
     #[inline]
     fn set_sizes(&mut self, sizes: &[f64]) {
         if become_same(&mut self.loads.sizes[..sizes.len()], sizes) {
-            self.invalidate_sizes();
+            self.loads.invalidate();
+            self.cache.scratch.panel_force.invalidate();
         }
     }
 
@@ -196,8 +197,7 @@ impl ReducedMotion {
     /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
-            self.loads.sizes[input] = value;
-            self.invalidate_sizes();
+            self.set_size(input, value);
         }
         self.inputs_changed();
     }
@@ -213,9 +213,10 @@ impl ReducedMotion {
         self.state.inputs_changed();
     }
 
-    pub(super) fn invalidate_sizes(&mut self) {
+    /// A load has this size.
+    pub(super) fn set_size(&mut self, load: usize, size: f64) {
+        self.loads.set(load, size);
         self.cache.scratch.panel_force.invalidate();
-        self.loads.invalidate();
     }
 
     /// The state has changed, from one after so many whole revolutions.

@@ -132,7 +132,8 @@ impl<'a, N: Reading> View<'a, N> {
         if controllers.is_some() {
             scratch.set_controllers(controllers);
         }
-        scratch.panel_force.on_stretch(reduced.stretch);
+        let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
+        scratch.panel_force.share(of_step, reduced.stretch, state.sigma);
         let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
         Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
     }
@@ -221,7 +222,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         if order == 1 && load >= reduced.loading().drives.len() {
-            let (table, position) = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+            let (table, position) = self.displacement_table(load)?;
             return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
         }
         if order > 0 {
@@ -248,7 +249,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
+        self.time_derivative(self.reduced.marker_function(marker, axis), order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
@@ -269,8 +270,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     #[inline(always)]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         match self.cache.reactions[joint] {
-            Some(value) => Ok(value),
-            None => self.find_reaction(joint),
+            (version, value) if version == self.cache.version => Ok(value),
+            _ => self.find_reaction(joint),
         }
     }
 
@@ -313,7 +314,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+        let (table, position) = self.displacement_table(load)?;
         let slope = self.before_derivative(table, position, 1);
         Ok(finite(-free / slope))
     }
