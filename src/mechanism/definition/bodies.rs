@@ -6,8 +6,8 @@ use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecon
 
 keys! {
     /// The object `drawn` states coordinates of the body's points in the mechanism frame, from a drawing that shows the
-    /// mechanism in one position. The program computes lengths, points in the frame of the body, and the guess from
-    /// the coordinates.
+    /// mechanism in one position. From the coordinates in `drawn`, the program computes lengths, points in the frame of
+    /// the body, and the guess.
     pub struct Drawn {
         /// Coordinates of the body's point `origin` in the drawing [m].
         origin: [f64; 2] => number(Metre, Range::Coordinate).required();
@@ -28,8 +28,7 @@ keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
     /// body frame. The x axis passes through the point `end`, at the distance `length` from the origin.
     pub struct Body {
-        /// Point (`body.point`) of another body, for a rigid connection. The origin of the present body is fixed to
-        /// this point.
+        /// Point (`body.point`) of another body, to which the origin of the present body is rigidly fixed.
         fixed_to: Option<String> => point();
         /// Angle from the x axis of the body in `fixed_to` to the x axis of the present body [rad]. The key `angle` is
         /// allowed only together with `fixed_to`.
@@ -40,8 +39,8 @@ keys! {
         /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, the FMU computes only the motion, without
         /// forces.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution of the body. `uniform_rod`: the mass is distributed evenly from the point `origin` to the
-        /// point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
+        /// Mass distribution of the body. With `uniform_rod` the mass is distributed evenly from the point `origin` to
+        /// the point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
         /// Centre of mass in the frame of the body [m]. The key `center` is not allowed together with `shape`.
         center: Option<[f64; 2]> =>

@@ -25,8 +25,8 @@ pub enum ControlState {
 keys! {
     /// The object `control` describes a controller of a drive. The force of the drive is force + position_gain *
     /// (command - x) + speed_gain * (command_speed - dx/dt) + integral part, limited to the range from min_force to
-    /// max_force. Here x is the length, position or angle of the drive, and force is the input `<name>.force` or
-    /// `<name>.torque`. The controller is continuous and has no sampling time.
+    /// max_force. In the formula of the controller, x is the length, position or angle of the drive, and force is the
+    /// input `<name>.force` or `<name>.torque`. The controller of a drive is continuous and has no sampling time.
     pub struct Control: Copy {
         /// Position gain [N/m or N.m/rad], >= 0. The input `<name>.command` is the commanded length, position or angle
         /// of the drive.
@@ -48,7 +48,7 @@ keys! {
             .parameter(Role::CircuitStart, "Integral part of the force at the start").absent("0").brief();
         /// Time constant T with which the force of the drive follows the force of the controller [s], > 0: dF/dt =
         /// (F_controller - F) / T. For an electric motor, T is the time constant of the current control. Without the
-        /// key `force_time_constant` the force follows without delay.
+        /// key `force_time_constant` the force of the drive follows the force of the controller without delay.
         force_time_constant: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Law, "Time constant of the force").brief();
         /// Largest size of the time derivative dF/dt of the force [N/s or N.m/s], > 0. The key `max_force_rate` is
@@ -65,10 +65,12 @@ keys! {
         /// Start value of the input `<name>.command_speed` [m/s or rad/s]. The key `command_speed` is allowed only
         /// together with `speed_gain`.
         command_speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Finite).absent("0");
-        /// Smallest force or torque of the drive [N or N.m]. Without the key `min_force` the force has no lower limit.
+        /// Smallest force or torque of the drive [N or N.m]. Without the key `min_force` the force of the drive has no
+        /// lower limit.
         min_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::Law, "Smallest force or torque");
-        /// Largest force or torque of the drive [N or N.m]. Without the key `max_force` the force has no upper limit.
+        /// Largest force or torque of the drive [N or N.m]. Without the key `max_force` the force of the drive has no
+        /// upper limit.
         max_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::Law, "Largest force or torque");
     }

@@ -23,21 +23,21 @@ keys! {
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The type
         /// `screw` is always an error: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
-        /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects the point `first` to the
-        /// carrier.
+        /// Centre (`body.point`) of the first wheel or of the cam. The definition must have a revolute joint between
+        /// the point `first` and the carrier of the coupling.
         first: String => point().required();
-        /// Centre (`body.point`) of the second wheel or of an oscillating follower. A revolute joint connects the point
-        /// `second` to the carrier.
+        /// Centre (`body.point`) of the second wheel or of an oscillating follower. The definition must have a revolute
+        /// joint between the point `second` and the carrier of the coupling.
         second: Option<String> => point();
-        /// Body that carries both wheels. Default: the ground.
+        /// Body that carries both wheels of the coupling. Default: the ground.
         carrier: Option<String> => element().absent("\"ground\"");
-        /// Prismatic joint in which the rack or the translating follower slides on the carrier.
+        /// Prismatic joint in which the rack or the translating follower slides on the carrier of the coupling.
         joint: Option<String> => element();
         /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
         eccentricity: Option<f64> =>
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
-        /// Elliptic gears: number of lobes of each wheel [1], a whole number. With 1 lobe the pitch curve is an ellipse
-        /// that turns about its focus.
+        /// Elliptic gears: number of lobes of each wheel [1], a whole number. With 1 lobe the pitch curve of the wheel
+        /// is an ellipse that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
         /// Elliptic gears: direction from the centre of rotation of the first wheel to the nearest vertex of its pitch
@@ -54,9 +54,9 @@ keys! {
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam with a flat-faced follower: direction along the face, as an angle in the frame of the follower [rad].
-        /// Default: perpendicular to the direction of sliding for a translating follower, and along the x axis of the
-        /// follower for an oscillating follower.
+        /// Cam with a flat-faced follower: direction along the flat face, as an angle in the frame of the follower
+        /// [rad]. Default: perpendicular to the direction of sliding for a translating follower, and along the x axis
+        /// of the follower for an oscillating follower.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
             face of the follower of @, as an angle in the frame of the follower");
         /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0

@@ -39,7 +39,8 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of the two bodies between which the drive exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the drive exerts a torque. The bodies `first_body` and `second_body`
+        /// need no common joint.
         first_body: Option<String> => element();
         /// Second of the two bodies between which the drive exerts a torque. The angle of the drive is the angle of
         /// `second_body` relative to `first_body`.
@@ -51,27 +52,30 @@ keys! {
         /// [N.m]. The key `torque` is allowed only in a revolute joint, between two bodies or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
-        /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
+        /// `backward_efficiency`, the efficiency of the drive is equal in both directions of the power flow ([CK16] eq.
+        /// (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
         /// Efficiency of the drive for the power flow from the mechanism to the drive [1], 0 to 1. Default: the value of
         /// the key `efficiency`. The value 0 is allowed only for a drive with a `screw` that has an `inertia`: the screw
         /// locks itself, so that no load on the nut turns the screw.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
-        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
-        /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs of the drive
+        /// for a body are the share of the body in the reduced mass and in the static load of the drive, and the ratios
+        /// between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
-        /// The input `<name>.command` is a factor of the additional force. State pairs of speed and force in the order
-        /// of increasing speed. Beyond the first and the last pair, the force-speed curve is a straight line. The key
-        /// `points` is not allowed together with `hydraulics` or `motion`.
+        /// The input `<name>.command` is a factor of the force of the curve `points`. The list `points` contains pairs
+        /// of speed and force in the order of increasing speed. Beyond the first and the last pair, the force-speed
+        /// curve is a straight line. The key `points` is not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
         /// Start value of the input `<name>.command`, the factor of the force of the curve `points` [1]. The key
         /// `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
-        /// is the torque of the motor. The key `screw` is not allowed in a revolute joint or between two bodies.
+        /// is the torque of the motor that turns the screw. The key `screw` is not allowed in a revolute joint or
+        /// between two bodies.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Controller of the drive, with gains for position and speed and with limits of the force. The key `control`
         /// is not allowed together with `points`, `hydraulics` or `motion`.
@@ -128,7 +132,8 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of the two bodies between which the spring exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the spring exerts a torque. The bodies `first_body` and `second_body`
+        /// need no common joint.
         first_body: Option<String> => element();
         /// Second of the two bodies between which the spring exerts a torque. The angle of the spring is the angle of
         /// `second_body` relative to `first_body`.
@@ -196,8 +201,8 @@ keys! {
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, as an angle from the X axis of the mechanism \
                 frame").required();
-        /// true: the drag depends on the air velocity relative to the moving surface. false: the drag depends on the
-        /// airspeed only.
+        /// true: the drag of a surface depends on the air velocity relative to the moving surface. false: the drag of a
+        /// surface depends on the airspeed, not on the motion of the surface.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
             "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
@@ -217,12 +222,12 @@ keys! {
         to: Option<String> => point();
         /// Width of a surface that is a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
-        /// Area: point (`body.point`) at which the drag acts.
+        /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
         /// Area of a surface that has the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without the key
-        /// `surface_angle`, the projected area is equal in all directions of the flow.
+        /// `surface_angle`, the projected area of the surface is equal in all directions of the flow.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
             the surface @, as an angle in the frame of the body");
         /// Drag coefficient c [1], >= 0.
