@@ -73,7 +73,7 @@ keys! {
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// Settings of the time integration.
+    /// Settings of the time integration of the mechanism.
     pub struct Solver: Copy {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
@@ -102,7 +102,7 @@ keys! {
         actuator: Actuator;
         /// Settings of the coupling between the actuator FMU and the mechanism FMU.
         coupling: Coupling;
-        /// Settings of the time integration.
+        /// Settings of the time integration of the mechanism.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -78,28 +78,31 @@ keys! {
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
-        /// Prismatic joint only: direction of sliding, as an angle in the frame of the first body [rad].
+        /// Allowed only for a prismatic joint: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding in the joint @, as an angle \
                 in the frame of the first body").absent("0");
-        /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
+        /// Allowed only for a prismatic joint: angle from the x axis of the first body to the x axis of the second body
+        /// [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
         /// Slot only: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of the joint.
         radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
-        /// Slot with `radius` only: direction from the centre to the start of the slot, as an angle in the frame of the
-        /// first body [rad]. The position of the joint is measured anticlockwise from the start of the slot.
+        /// Allowed only for a slot with the key `radius`: direction from the centre of the arc to the start of the
+        /// slot, as an angle in the frame of the first body [rad]. The position of the joint is measured anticlockwise
+        /// from the start of the slot.
         from_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
-        /// Slot with `radius` only: direction from the centre to the end of the slot, as an angle in the frame of the
-        /// first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full revolution.
+        /// Allowed only for a slot with the key `radius`: direction from the centre of the arc to the end of the slot,
+        /// as an angle in the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: one
+        /// full revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
-        /// Slot only: points [x, y] of a curved slot, relative to the first point of the joint, in the axes of the
-        /// first body [m, m]. The slot is a smooth curve through the points. The position of the joint increases in the
-        /// order of the points.
+        /// Allowed only for a slot: points [x, y] of a curved slot, relative to the first point of the joint, in the
+        /// axes of the first body [m, m]. The slot is a smooth curve through the points of `path`. The position of the
+        /// joint increases in the order of these points.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
         /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
         /// joint has no friction.
@@ -114,14 +117,14 @@ keys! {
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
         /// Constant friction force of a prismatic joint or a slot, or constant friction torque of a revolute joint [N
-        /// or N.m], >= 0. The constant friction does not depend on the force in the joint, and can hold the joint at
-        /// rest. The key `frictionloss` does not need the key `friction`.
+        /// or N.m], >= 0. The constant friction `frictionloss` does not depend on the force in the joint, and can hold
+        /// the joint at rest. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
         /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
         /// position of a prismatic joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
-        /// where rate is the relative speed of the two bodies. For a geared motor, `armature` is the inertia of the
-        /// motor times the square of the gear ratio.
+        /// where rate is the relative speed of the two bodies of the joint. For a geared motor, `armature` is the
+        /// inertia of the motor times the square of the gear ratio.
         armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
             .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
@@ -136,8 +139,8 @@ keys! {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: no friction").absent("false");
-        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and cannot hold the
-        /// mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
+        /// Friction law at slip speeds below `static_speed`. `viscous`: friction is proportional to the slip speed and
+        /// cannot hold the mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
         /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` the static coefficient must be at least
         /// as large as the kinetic coefficient.
@@ -147,7 +150,7 @@ keys! {
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of kinetic friction of joints that state no other value").required();
         /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], >= 0. With the law
-        /// `viscous` V_S must be > 0.
+        /// `viscous` the slip speed V_S must be > 0.
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static coefficient");
         /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], >= 0. V_d must be

@@ -21,7 +21,7 @@ keys! {
         equilibrium: bool => Key::PLAIN.brief();
     }
 
-    /// Settings of the time integration.
+    /// Settings of the time integration of the mechanism.
     pub struct Solver {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
