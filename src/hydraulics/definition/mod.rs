@@ -73,9 +73,9 @@ keys! {
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// Settings of the time integration of the mechanism.
+    /// Settings of the time integration.
     pub struct Solver: Copy {
-        /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
+        /// Relative tolerance of the time integration of the mechanism [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
         /// Largest number of integration steps in one communication step [1]. The number must be a whole number.
@@ -102,7 +102,7 @@ keys! {
         actuator: Actuator;
         /// Settings of the coupling between the actuator FMU and the mechanism FMU.
         coupling: Coupling;
-        /// Settings of the time integration of the mechanism.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

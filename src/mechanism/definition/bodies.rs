@@ -14,8 +14,8 @@ keys! {
         /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
         /// `end`. The distance between `origin` and `end` is the length of the body.
         end: Option<[f64; 2]> => number(Metre, Range::Coordinate);
-        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
-        /// together with `end`.
+        /// Angle in the drawing from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle`
+        /// is not allowed together with `end`.
         angle: Option<f64> => number(Radian, Range::Finite).absent("0");
         /// Coordinates of additional points of the body in the drawing, by name [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate);
@@ -49,11 +49,12 @@ keys! {
         /// `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// Axial stiffness E A of the body as an elastic rod between its two joints, for the method `rigid_fem` (key
-        /// `solver.method`) only [N], > 0. The key `axial_stiffness` is not allowed together with `fixed_to`.
+        /// Axial stiffness E A of the body as an elastic rod between its two joints, used only by the method
+        /// `rigid_fem` (key `solver.method`) [N], > 0. The key `axial_stiffness` is not allowed together with
+        /// `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
-        /// Additional points by name: coordinates [x, y] in the frame of the body [m].
+        /// Additional points of the body by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
         /// Coordinates of the body's points in a drawing that shows the mechanism in one position. Use the key `drawn`
         /// in place of `length`, `points` and `center`.
@@ -87,7 +88,8 @@ keys! {
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
-        /// Slot only: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of the joint.
+        /// Allowed only for a slot: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of
+        /// the joint.
         radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
         /// Allowed only for a slot with the key `radius`: direction from the centre of the arc to the start of the
@@ -104,8 +106,8 @@ keys! {
         /// axes of the first body [m, m]. The slot is a smooth curve through the points of `path`. The position of the
         /// joint increases in the order of these points.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
-        /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
-        /// joint has no friction.
+        /// Allowed only for a revolute joint: radius of the pin, for the friction torque [m], >= 0. Without the key
+        /// `pin_radius` a revolute joint has no friction due to its reaction.
         pin_radius: Option<f64> =>
             number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
         /// Coefficient of static friction in this joint [1], >= 0. Default: the `static_coefficient` of the key

@@ -19,8 +19,8 @@ keys! {
     pub struct CamSegment: Copy {
         /// Motion law of the lift over the segment. `dwell`: the lift is constant.
         law: CamLaw => Key::PLAIN.required();
-        /// Cam angle over which the segment extends [rad], > 0. Only for the last segment, the key `angle` may be
-        /// absent: the last segment then extends to the end of the revolution.
+        /// Cam angle over which the segment extends [rad], > 0. The key `angle` may be absent only in the last segment,
+        /// which then extends to the end of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
         /// Change of the cam's lift over the segment, positive or negative [m or rad]. For an oscillating follower the
         /// lift is an angle in rad. A segment with the law `dwell` cannot have the key `rise`. The key `rise` may be

@@ -41,7 +41,7 @@ keys! {
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
         /// Elliptic gears: direction from the centre of rotation of the first wheel to the nearest vertex of its pitch
-        /// curve, as an angle in the frame of the wheel [rad].
+        /// curve, as an angle in the frame of the first wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");
@@ -115,12 +115,12 @@ keys! {
         /// that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
-        /// Without the key `backward_efficiency`, the efficiency is equal in both directions of the power flow. Without
-        /// the key `efficiency` the coupling has no losses.
+        /// Without the key `backward_efficiency`, the efficiency of the coupling is equal in both directions of the
+        /// power flow. Without the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
         /// Gears, rack, belt: efficiency of the coupling for the power flow from the second body to the first body, 0
-        /// to 1 [1]. With the value 0 the coupling is self-locking: the second body cannot drive the first body. The
-        /// key `backward_efficiency` needs the key `efficiency`.
+        /// to 1 [1]. With `backward_efficiency` = 0 the coupling is self-locking: the second body cannot drive the
+        /// first body. The key `backward_efficiency` needs the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the second body to the first body of");
     }

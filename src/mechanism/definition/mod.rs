@@ -125,7 +125,6 @@ keys! {
         /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
         /// moves the actuator that has the same name as the cylinder. The FMU integrates mechanism and network as one
         /// system.
-
         hydraulics: Option<HydraulicSystem> => Key::PLAIN.brief();
         /// Forces on points by name, with components in the mechanism frame.
         forces: Named<Force>;

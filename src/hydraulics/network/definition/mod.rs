@@ -115,7 +115,7 @@ keys! {
         pressure_locks: Named<PressureLock>;
         /// Settings of the coupling between the hydraulic FMU and the mechanisms that its cylinders drive.
         coupling: Coupling;
-        /// Settings of the time integration of the mechanism.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;
