@@ -79,7 +79,7 @@ impl HydraulicSystem {
                 warn(
                     format!("pumps.{name}.full_pressure"),
                     message,
-                    "raise the pressure of the relief valve, or lower full_pressure",
+                    "raise the pressure of the relief valve, or lower full_pressure of the pump",
                 );
             }
         }
@@ -89,7 +89,12 @@ impl HydraulicSystem {
                 Decimal(accumulator.precharge_pressure),
                 Decimal(highest)
             );
-            warn(format!("accumulators.{name}.precharge_pressure"), message, "lower the precharge pressure");
+            warn(
+                format!("accumulators.{name}.precharge_pressure"),
+                message,
+                "lower the precharge pressure of the \
+                                                                              accumulator",
+            );
         }
         let lowest = self.reservoirs.iter().min_by(|(_, a), (_, b)| a.pressure.total_cmp(&b.pressure));
         for (name, accumulator) in self.accumulators.iter() {
@@ -100,7 +105,12 @@ impl HydraulicSystem {
                     Decimal(accumulator.precharge_pressure),
                     Decimal(reservoir.pressure)
                 );
-                warn(format!("accumulators.{name}.precharge_pressure"), message, "raise the precharge pressure");
+                warn(
+                    format!("accumulators.{name}.precharge_pressure"),
+                    message,
+                    "raise the precharge pressure of the \
+                                                                                  accumulator",
+                );
             }
         }
         for (name, valve) in self.position_valves.iter() {
@@ -125,7 +135,7 @@ impl HydraulicSystem {
                 Decimal(lock.release_pressure),
                 Decimal(highest)
             );
-            warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure");
+            warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure of the lock");
         }
         self.clone().element_parameters(&mut |parameter, value| {
             let path = parameter.key.concat();
