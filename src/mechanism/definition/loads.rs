@@ -180,7 +180,7 @@ keys! {
         /// Area on which the gas pressure acts [m2], > 0. If the gas is on both sides of the piston, `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Area of the gas pressure").required();
+            .parameter(Role::Load, "Area on which the gas pressure of @ acts").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();

@@ -89,12 +89,7 @@ impl HydraulicSystem {
                 Decimal(accumulator.precharge_pressure),
                 Decimal(highest)
             );
-            warn(
-                format!("accumulators.{name}.precharge_pressure"),
-                message,
-                "lower the precharge pressure of the \
-                                                                              accumulator",
-            );
+            warn(format!("accumulators.{name}.precharge_pressure"), message, "lower this precharge pressure");
         }
         let lowest = self.reservoirs.iter().min_by(|(_, a), (_, b)| a.pressure.total_cmp(&b.pressure));
         for (name, accumulator) in self.accumulators.iter() {
@@ -105,12 +100,7 @@ impl HydraulicSystem {
                     Decimal(accumulator.precharge_pressure),
                     Decimal(reservoir.pressure)
                 );
-                warn(
-                    format!("accumulators.{name}.precharge_pressure"),
-                    message,
-                    "raise the precharge pressure of the \
-                                                                                  accumulator",
-                );
+                warn(format!("accumulators.{name}.precharge_pressure"), message, "raise this precharge pressure");
             }
         }
         for (name, valve) in self.position_valves.iter() {
