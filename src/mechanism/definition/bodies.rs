@@ -140,7 +140,8 @@ keys! {
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
-            Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: the joints have no friction").absent("false");
+            Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: the joints have no friction")
+            .absent("false");
         /// Friction law at slip speeds below `static_speed`. `viscous`: friction is proportional to the slip speed and
         /// cannot hold the mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();

@@ -29,9 +29,9 @@ keys! {
         limit: Limit => Key::PLAIN.required();
         /// Limit of the angle at the stop [rad]: the angle of the body, or for a revolute joint or two bodies the angle
         /// of the second body relative to the first body.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit of the angle at the stop @");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit angle at the stop @");
         /// Position of the prismatic joint or of the slot at the stop [m].
-        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit of the position at the stop @");
+        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
             points at the stop @");

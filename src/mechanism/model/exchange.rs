@@ -391,7 +391,7 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
         let revolutions = ((x - first) / period).floor();
         if revolutions.abs() > MOST_REVOLUTIONS {
             let why = format!(
-                "the continuous state of the position is {} m, which is more revolutions than the program can count",
+                "the position state of the mechanism is {} m, which is more revolutions than the program can count",
                 Decimal(x)
             );
             return Err(NoValue::AtState(why));
@@ -401,8 +401,8 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     let too_far = |end: f64| {
         let (x, end, at) = (Decimal(x), Decimal(end), state.describe(reduced));
         let why = format!(
-            "the continuous state of the position is {x} m, beyond the end of the travel at {end} m; the previous position was {at}; use \
-             a shorter step"
+            "the position state of the mechanism is {x} m, beyond the end of the travel at {end} m; the previous \
+             position was {at}; use a shorter step"
         );
         Err(NoValue::AtState(why))
     };
