@@ -92,14 +92,14 @@ keys! {
         /// the joint.
         radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
-        /// Allowed only for a slot with the key `radius`: direction from the centre of the arc to the start of the
-        /// slot, as an angle in the frame of the first body [rad]. The position of the joint is measured anticlockwise
-        /// from the start of the slot.
+        /// Allowed only for a slot with `radius`: direction from the arc centre to the start of the slot, as an angle
+        /// in the frame of the first body [rad]. The position of the joint is measured anticlockwise from the start of
+        /// the slot.
         from_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
-        /// Allowed only for a slot with the key `radius`: direction from the centre of the arc to the end of the slot,
-        /// as an angle in the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: one
-        /// full revolution.
+        /// Allowed only for a slot with `radius`: direction from the arc centre to the end of the slot, as an angle in
+        /// the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full
+        /// revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
         /// Allowed only for a slot: points [x, y] of a curved slot, relative to the first point of the joint, in the

@@ -27,8 +27,8 @@ keys! {
         /// Kind of limit. `lower`: the stop limits the angle, position or distance from below. `upper`: the stop limits
         /// the angle, position or distance from above.
         limit: Limit => Key::PLAIN.required();
-        /// Limit of the angle at the stop [rad]: the angle of the body, or for a revolute joint or two bodies the angle
-        /// of the second body relative to the first body.
+        /// Limit of the angle at the stop [rad]: for the key `body` the angle of the body, otherwise the angle of the
+        /// second body relative to the first body.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit angle at the stop @");
         /// Position of the prismatic joint or of the slot at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit position at the stop @");

@@ -60,9 +60,9 @@ keys! {
         /// locks itself, so that no load on the nut turns the screw.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
-        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs of the drive
-        /// for a body are the share of the body in the reduced mass and in the static load of the drive, and the ratios
-        /// between the speeds of drive and body.
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs for a body
+        /// are its share in the reduced mass and in the static load of the drive, and the ratios between the speeds of
+        /// drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
         /// The input `<name>.command` is a factor of the force of the curve `points`. The list `points` contains pairs
@@ -204,8 +204,8 @@ keys! {
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, as an angle from the X axis of the mechanism \
                 frame").required();
-        /// true: the drag of a surface depends on the air velocity relative to the moving surface. false: the drag of a
-        /// surface depends on the airspeed, not on the motion of the surface.
+        /// true: the drag of a surface depends on the air velocity relative to the moving surface. false: the motion of
+        /// the surface has no effect on its drag.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
             "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
