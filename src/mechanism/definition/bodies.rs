@@ -110,11 +110,11 @@ keys! {
         /// `pin_radius` a revolute joint has no friction due to its reaction.
         pin_radius: Option<f64> =>
             number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
-        /// Coefficient of static friction in this joint [1], >= 0. Default: the `static_coefficient` of the key
+        /// Coefficient of static friction in the joint [1], >= 0. Default: the `static_coefficient` of the key
         /// `friction`.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in the joint @");
-        /// Coefficient of kinetic friction in this joint [1], >= 0. Default: the `kinetic_coefficient` of the key
+        /// Coefficient of kinetic friction in the joint [1], >= 0. Default: the `kinetic_coefficient` of the key
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
