@@ -8,7 +8,7 @@ pub const PACKAGE: &str = "\
 Examples:
   Pack your mechanism for this machine, for FMI 2.0 and 3.0:
     cargo fmu package gear.json --out fmus
-  Pack your mechanism for Linux and Windows, as FMI 2.0 only:
+  Pack your mechanism for Linux and Windows, for FMI 2.0 only:
     cargo fmu package gear.json --fmi 2 --platforms x86_64-linux,x86_64-windows
   Pack a landing gear with its hydraulic actuator as an SSP package:
     cargo fmu package --ssp system.json --out fmus";
