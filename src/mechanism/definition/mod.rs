@@ -41,6 +41,7 @@ pub use masses::{Massless, listed};
 pub use mechanism::{GROUND, Mechanism};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};
+pub use validate::allow_hydraulics;
 
 use crate::format::{About, Element, Faults};
 
@@ -83,6 +84,15 @@ impl Mechanism {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
+        allow_hydraulics();
+        Self::checked(text)
+    }
+
+    /// [`Self::from_json`], with hydraulics only if [`allow_hydraulics`] was called.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`].
+    pub fn checked(text: &str) -> Result<Self, DefinitionError> {
         let (mechanism, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
         faults.first()?;
         Ok(mechanism)

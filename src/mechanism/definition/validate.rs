@@ -17,6 +17,7 @@ use super::refusal::{Check, refused};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
+pub use network::allow_hydraulics;
 pub(super) use network::idle_keys;
 
 impl Mechanism {
@@ -42,7 +43,7 @@ impl Mechanism {
         self.check_bodies(faults);
         self.check_joints(faults);
         self.check_drives(faults);
-        self.check_network(faults);
+        self.check_hydraulics(faults);
         self.check_loads(faults);
         self.check_surfaces(faults);
         self.check_stops(faults);

@@ -46,7 +46,7 @@ impl Mechanism {
         self.warn_of_angles(&mut all);
         self.warn_of_lengths(&mut all);
         self.warn_of_sizes(&mut all);
-        self.warn_of_circuit(&mut all);
+        self.warn_of_hydraulics(&mut all);
         self.warn_of_expressions(&mut all);
         all
     }
@@ -297,7 +297,7 @@ impl Mechanism {
         Some(Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy))
     }
 
-    fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
+    pub(super) fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
         if let Some(network) = &self.hydraulics {
             let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
             all.extend(own.map(|finding| Finding { path: format!("hydraulics.{}", finding.path), ..finding }));

@@ -3,10 +3,12 @@
 //! In: arms of the friction, reactions as affine functions of the friction. Out: magnitudes of the reactions and
 //! friction. It must not know bodies, joints or the law of friction. Source: [HF08] section 4, eqs. (26), (27).
 mod any;
+mod carried;
 mod one_group;
 mod prediction;
 
 use crate::numerics::dual::Number;
+use carried::Values;
 use prediction::Prediction;
 use std::fmt;
 
@@ -76,6 +78,8 @@ pub struct FrictionLoop<T> {
     pub iterations: u32,
     /// What friction adds to the unknowns within a step.
     pub prediction: Prediction,
+    /// The loop of the values alone, for numbers that carry derivatives.
+    values: Option<Box<Values>>,
 }
 
 /// Friction and reactions of some joints have no common solution.
@@ -118,6 +122,7 @@ impl<T: Number> FrictionLoop<T> {
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),
+            values: T::CARRIES.then(|| Box::new(Values::new(n, groups))),
         }
     }
 
@@ -149,6 +154,9 @@ impl<T: Number> FrictionLoop<T> {
     /// # Errors
     /// [`Locked`].
     pub fn solve_at(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
+        if T::CARRIES {
+            return self.solve_carried(balance);
+        }
         let one_group = balance.passed[0].len() == self.arm.len() && !self.has_normal_forces;
         let solved = match self.arm.len() {
             0 => true,

@@ -17,5 +17,6 @@ mod view;
 
 pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
+pub use hydraulic::allow_hydraulics;
 pub use reduced_motion::ReducedMotion;
 pub use view::View;

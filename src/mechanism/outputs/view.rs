@@ -15,9 +15,11 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
+use crate::mechanism::outputs::hydraulic::HydraulicOutputs;
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
+use std::sync::OnceLock;
 
 /// The reduced model in one state under the present inputs.
 pub struct View<'a, N: Reading> {
@@ -31,7 +33,7 @@ pub struct View<'a, N: Reading> {
 }
 
 /// Numbers in which the reduced model is read.
-pub trait Reading: Differentiable {
+pub trait Reading: Differentiable + 'static {
     /// Access to the values beside these numbers.
     type Values<'a>;
 
@@ -40,10 +42,18 @@ pub trait Reading: Differentiable {
     /// # Errors
     /// [`OutputError`].
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError>;
+
+    /// Outputs of hydraulics, in a library that allows hydraulics.
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>>;
 }
 
 impl Reading for f64 {
     type Values<'a> = ();
+
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>> {
+        static OUTPUTS: OnceLock<HydraulicOutputs<f64>> = OnceLock::new();
+        &OUTPUTS
+    }
 
     #[inline(always)]
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
@@ -68,6 +78,11 @@ impl Reading for f64 {
 /// A mechanism that is held stays held, and drives keep their direction, as decided by the values.
 impl Reading for Dual<1> {
     type Values<'a> = &'a mut OutputCache<f64>;
+
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>> {
+        static OUTPUTS: OnceLock<HydraulicOutputs<Dual<1>>> = OnceLock::new();
+        &OUTPUTS
+    }
 
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
         let View { reduced, inputs, state, .. } = *view;
@@ -351,11 +366,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     }
 
     fn hydraulic(&mut self, output: Hydraulic) -> Result<N, OutputError> {
-        self.circuit(output)
+        N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.circuit)(self, output))
     }
 
     fn network(&mut self, output: network::Output) -> Result<N, OutputError> {
-        self.of_network(output)
+        N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.network)(self, output))
     }
 
     fn kinetic(&self) -> N {

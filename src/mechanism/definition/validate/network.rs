@@ -4,11 +4,31 @@
 use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::inspection::Finding;
 use crate::mechanism::definition::loads::Actuator;
 use crate::mechanism::definition::mechanism::Mechanism;
 use crate::mechanism::definition::refusal::refused;
+use std::sync::OnceLock;
+
+/// Checks and warnings of hydraulics. A library that never allows hydraulics does not contain their code.
+static CHECKS: OnceLock<(fn(&Mechanism, &mut Faults), fn(&Mechanism, &mut Vec<Finding>))> = OnceLock::new();
+
+/// State that definitions may have hydraulics.
+pub fn allow_hydraulics() {
+    CHECKS.get_or_init(|| (Mechanism::check_network, Mechanism::warn_of_circuit));
+}
 
 impl Mechanism {
+    /// Faults of the hydraulics.
+    pub(super) fn check_hydraulics(&self, faults: &mut Faults) {
+        CHECKS.get().into_iter().for_each(|(check, _)| check(self, faults));
+    }
+
+    /// Warnings about the hydraulics.
+    pub(in crate::mechanism::definition) fn warn_of_hydraulics(&self, all: &mut Vec<Finding>) {
+        CHECKS.get().into_iter().for_each(|(_, warn)| warn(self, all));
+    }
+
     /// Path in the file of a fault's key, where those of a network or of a circuit stand in its section.
     pub(in crate::mechanism::definition) fn path_in_file(&self, path: &str) -> String {
         let first = path.split('.').next().unwrap_or_default();
@@ -21,7 +41,7 @@ impl Mechanism {
         }
     }
 
-    pub(super) fn check_network(&self, faults: &mut Faults) {
+    fn check_network(&self, faults: &mut Faults) {
         let Some(network) = &self.hydraulics else { return };
         if let Some((_, drive, _)) = self.hydraulic_drive() {
             let message = format!(

@@ -1,0 +1,58 @@
+//! The loop of numbers that carry derivatives: the values are solved first, the derivatives follow from the equations.
+//!
+//! In: arms and reactions with derivatives. Out: the solution with its derivatives. It must not know the law of
+//! friction.
+use super::{Balance, FrictionLoop, Locked};
+use crate::numerics::dual::Number;
+
+/// The loop of the values alone.
+#[derive(Clone, Debug)]
+pub struct Values {
+    own: FrictionLoop<f64>,
+    /// Rows of the balance, one after the other.
+    rows: Vec<f64>,
+}
+
+impl Values {
+    /// For n joints in a number of groups.
+    pub fn new(n: usize, groups: usize) -> Self {
+        Self { own: FrictionLoop::new(n, groups), rows: vec![0.0; (5 + 2 * groups) * n] }
+    }
+}
+
+impl<T: Number> FrictionLoop<T> {
+    /// [`Self::solve`] of numbers that carry derivatives. A correction at the solution gives the first derivatives,
+    /// another one the second derivatives.
+    pub(super) fn solve_carried(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+        let (n, Some(Values { own, rows })) = (self.arm.len(), self.values.as_deref_mut()) else { return Ok(()) };
+        if n == 0 {
+            return Ok(());
+        }
+        let ([free_x, free_y], [along_x, along_y], [first, second]) = (balance.free, balance.inertial, balance.passed);
+        let mut to = rows.iter_mut();
+        for row in [free_x, free_y, along_x, along_y, balance.influence, first, second] {
+            row.iter().zip(to.by_ref()).for_each(|(number, to)| *to = number.value());
+        }
+        let (rows, passed) = rows.split_at(5 * n);
+        let row = |k: usize| &rows[k * n..(k + 1) * n];
+        let values = Balance {
+            free: [row(0), row(1)],
+            inertial: [row(2), row(3)],
+            influence: row(4),
+            passed: passed.split_at(passed.len() / 2).into(),
+            groups: balance.groups,
+            seconds: balance.seconds,
+        };
+        own.arm.iter_mut().zip(&self.arm).for_each(|(own, arm)| *own = arm.value());
+        own.sign.copy_from_slice(&self.sign);
+        (own.constant, own.has_normal_forces) = (self.constant, self.has_normal_forces);
+        own.solve(&values)?;
+        self.size.iter_mut().zip(&own.size).for_each(|(size, value)| *size = T::constant(*value));
+        self.iterations = own.iterations;
+        self.set_effects(balance);
+        for _ in 0..=u32::from(T::CARRIES_SECOND) {
+            self.correct(balance, 1.0).ok_or(Locked)?;
+        }
+        Ok(())
+    }
+}
