@@ -1,7 +1,6 @@
 //! Control of a drive: gains, start values of the commands, limits of the force.
 use super::loads::Actuator;
 use super::mechanism::Mechanism;
-use super::refusal::refused;
 use crate::format::{Faults, Range, Role, either, keys, number};
 use crate::variables::Unit::{
     Metre, MetrePerSecond, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerRadianSecond,
@@ -58,7 +57,7 @@ keys! {
 pub(super) fn check_control(key: &str, drive: &Actuator, faults: &mut Faults) {
     let Some(control) = &drive.control else { return };
     let key = format!("{key}.control");
-    let mut refuse = |key: String, message: String| faults.keep::<()>(refused(key, message));
+    let mut refuse = |key: String, message: String| faults.refuse(key, message);
     for (name, is_given, what) in [
         ("points", drive.points.is_some(), "a force-speed curve"),
         ("hydraulics", drive.hydraulics.is_some(), "a hydraulic circuit"),
@@ -97,7 +96,7 @@ impl Mechanism {
     pub(super) fn check_integral(&self, name: &str, faults: &mut Faults) {
         let Some(index) = self.integrating_drives().position(|(other, _)| other == name) else { return };
         let mut refuse = |message: String| {
-            faults.keep::<()>(refused(format!("actuators.{name}.control.integral_gain"), message));
+            faults.refuse(format!("actuators.{name}.control.integral_gain"), message);
         };
         if index >= MOST_INTEGRALS {
             refuse(format!(

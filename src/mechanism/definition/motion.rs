@@ -104,19 +104,19 @@ impl PrescribedMotion {
                 _ => false,
             };
             match (is_stated, wanted.contains(name)) {
-                (false, true) => faults.keep::<()>(refused(key, format_args!("{what} needs {name}: add this key"))),
+                (false, true) => faults.refuse(key, format_args!("{what} needs {name}: add this key")),
                 (true, false) if !is_optional => {
                     let message =
                         format_args!("{what} does not use this key: remove the key, or choose another profile");
-                    faults.keep::<()>(refused(path, message))
+                    faults.refuse(path, message)
                 }
-                _ => None,
+                _ => {}
             };
         }
         let Some(points) = &self.points else { return };
         if points.iter().flatten().any(|value| !value.is_finite()) || self.curve().is_none() {
             let message = "give 2 or more points [time, distance] with finite numbers and ascending times";
-            faults.keep::<()>(refused(format_args!("{key}.points"), message));
+            faults.refuse(format_args!("{key}.points"), message);
         }
     }
 }
@@ -127,7 +127,7 @@ impl Mechanism {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
             let message =
-                format!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
+                format_args!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
@@ -145,19 +145,19 @@ impl Mechanism {
                 ),
                 None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
             };
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
-            let message = format!(
+            let message = format_args!(
                 "the drive {other} already has a prescribed motion, which moves the whole mechanism: remove one of the \
                  two motions"
             );
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         if self.start.equilibrium && motion.enabled {
             let message = "`start` cannot be `equilibrium` with a prescribed motion, because every position is then an \
                            equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         motion.check(&key, faults);
     }

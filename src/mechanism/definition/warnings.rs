@@ -64,11 +64,11 @@ impl Mechanism {
                 "mm" => ("m", String::new()),
                 _ => ("rad", format!("write \"rad({text})\" if you mean {number} {unit}, or ")),
             };
-            let message = format!(
+            let message = format_args!(
                 "\"{text}\" is {number} {si}: expressions are in SI units, but numbers of this file are in {unit}"
             );
             let remedy =
-                format!("{remedy}define the numbers in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
+                format_args!("{remedy}define the numbers in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
             all.push(Finding::warning(&key, message, remedy));
         }
     }
@@ -156,14 +156,14 @@ impl Mechanism {
             let size = (high[0] - low[0]).hypot(high[1] - low[1]);
             let away = (x - 0.5 * (low[0] + high[0])).hypot(y - 0.5 * (low[1] + high[1]));
             if size > 0.0 && away > FAR * size {
-                let message = format!(
+                let message = format_args!(
                     "the centre of mass is {} m away from the middle of the body, but the points of the body are at \
                      most {} m apart",
                     Decimal::rounded(away),
                     Decimal::rounded(size)
                 );
                 let unit = if self.file_units.has_millimetres() { "mm" } else { "m" };
-                let remedy = format!("check the unit: lengths are in {unit}, in the frame of the body");
+                let remedy = format_args!("check the unit: lengths are in {unit}, in the frame of the body");
                 all.push(Finding::warning(format_args!("bodies.{name}.center"), message, remedy));
             }
         }
@@ -177,9 +177,9 @@ impl Mechanism {
         let mut warn = |path: &dyn fmt::Display, value: Option<f64>, most: f64| {
             let Some(value) = value.filter(|value| value.abs() > most && Range::Turn.contains(*value)) else { return };
             let message =
-                format!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
+                format_args!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
             let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
-            let remedy = format!(
+            let remedy = format_args!(
                 "if you mean {degrees} degrees, write {radians} rad or add \"units\": {{ \"angle\": \"deg\" }}"
             );
             all.push(Finding::warning(path, message, remedy));
@@ -220,7 +220,7 @@ impl Mechanism {
         let (Some(first), Some(last)) = (sizes.first(), sizes.last()) else { return };
         let gap = sizes.windows(2).map(|pair| (pair[1].0 / pair[0].0, pair[1])).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((ratio, above)) = gap.filter(|(ratio, _)| *ratio >= APART[0] && last.0 / first.0 >= APART[1]) {
-            let message = format!(
+            let message = format_args!(
                 "{} is {} m long, {} times as long as the next smaller body",
                 above.1,
                 Decimal::rounded(above.0),
@@ -243,7 +243,7 @@ impl Mechanism {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {
             let message =
-                format!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
+                format_args!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,
@@ -260,7 +260,7 @@ impl Mechanism {
             let (mass, inertia) = (body.mass.unwrap_or(0.0), body.inertia.unwrap_or(0.0));
             if mass > 0.0 && size > 0.0 && inertia > STOUT * mass * size * size {
                 let radius = (inertia / mass).sqrt();
-                let message = format!(
+                let message = format_args!(
                     "is {} kg.m2: the radius of gyration is {} m in a body of {} m",
                     Decimal::rounded(inertia),
                     Decimal::rounded(radius),
@@ -271,7 +271,7 @@ impl Mechanism {
             }
         }
         if largest.0 > HUGE {
-            let message = format!("the body is {} m long", Decimal::rounded(largest.0));
+            let message = format_args!("the body is {} m long", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
                 true => "check the lengths, which are in mm",
                 false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",
@@ -288,7 +288,7 @@ impl Mechanism {
         let mut others = self.locks.names();
         others.retain(|other| network.pressure_locks.get(other).is_none());
         let (first, more) = others.split_first()?;
-        let message = format!(
+        let message = format_args!(
             "no lock of the mechanism has this name, so this pressure lock operates no lock; locks without a pressure \
              lock: {first}{}",
             more.iter().map(|other| format!(", {other}")).collect::<String>()

@@ -332,7 +332,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Let the regimes and signs follow from the state in each evaluation.
-    #[inline]
+    #[inline(always)]
     pub fn clear_regimes(&mut self) {
         self.clear_signs();
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
@@ -352,7 +352,7 @@ impl EquationOfMotion<'_> {
 }
 
 /// Evaluation of the applied loads alone, at (t, sigma, sigma_dot).
-#[inline]
+#[inline(always)]
 fn of_applied_loads<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
     let x = panel_force.x(sigma);
     let (acceleration, zero) = (polynomial_at(&panel_force.force, x), T::constant(0.0));

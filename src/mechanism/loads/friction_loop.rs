@@ -102,8 +102,10 @@ const FEW: u32 = 4;
 
 impl<T: Number> FrictionLoop<T> {
     /// Solver for n joints in a number of groups.
+    #[inline(never)]
     pub fn new(n: usize, groups: usize) -> Self {
         let (zero, unknowns) = (T::constant(0.0), if n == 0 { 0 } else { 1 + 2 * groups });
+        let most = n.max(unknowns);
         Self {
             arm: vec![zero; n],
             size: vec![zero; n],
@@ -117,8 +119,8 @@ impl<T: Number> FrictionLoop<T> {
             change: vec![0.0; unknowns],
             measured: vec![0.0; n],
             last: vec![0.0; n],
-            rest: vec![zero; n],
-            matrix: vec![0.0; n * n],
+            rest: vec![zero; most],
+            matrix: vec![0.0; most * most],
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),

@@ -7,7 +7,6 @@ use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::inspection::Finding;
 use crate::mechanism::definition::loads::Actuator;
 use crate::mechanism::definition::mechanism::Mechanism;
-use crate::mechanism::definition::refusal::refused;
 use std::sync::OnceLock;
 
 /// Checks and warnings of hydraulics. A library that never allows hydraulics does not contain their code.
@@ -44,11 +43,11 @@ impl Mechanism {
     fn check_network(&self, faults: &mut Faults) {
         let Some(network) = &self.hydraulics else { return };
         if let Some((_, drive, _)) = self.hydraulic_drive() {
-            let message = format!(
+            let message = format_args!(
                 "actuators.{drive} already has a hydraulic circuit, but a mechanism has a circuit or a network: remove \
                  one of the two"
             );
-            faults.keep::<()>(refused("hydraulics", message));
+            faults.refuse("hydraulics", message);
         }
         network.find_connection_faults_in_mechanism(faults);
         faults.keep(network.check_size_in_mechanism());
@@ -61,14 +60,14 @@ impl Mechanism {
         if network.cylinders.is_empty() {
             let message =
                 "the network has no cylinder, so it moves nothing: add a cylinder with the name of an actuator";
-            faults.keep::<()>(refused("hydraulics.cylinders", message));
+            faults.refuse("hydraulics.cylinders", message);
         }
     }
 
     /// Faults of an actuator that a cylinder of the network moves.
     fn check_cylinder(&self, name: &str, actuator: &Actuator, faults: &mut Faults) {
         let mut refuse =
-            |key: &str, message: &str| faults.keep::<()>(refused(format_args!("actuators.{name}{key}"), message));
+            |key: &str, message: &str| faults.refuse(format_args!("actuators.{name}{key}"), message);
         if self.turns(actuator) {
             refuse(
                 "",

@@ -63,15 +63,13 @@ impl<T: Number> FrictionLoop<T> {
 
     /// State B for the present arms. Unknown 0 is u, unknown 1 + axis + 2 g a component of P_g.
     pub(super) fn set_effects(&mut self, balance: &Balance<T>) {
-        let n = self.arm.len();
-        let groups = (self.unknown.len() - 1) / 2;
-        for j in 0..n {
-            self.effect[j] = -(balance.influence[j] * self.arm[j]);
-            for g in 0..groups {
-                for axis in 0..2 {
-                    self.effect[(1 + axis + 2 * g) * n + j] = -(balance.passed[axis][g * n + j] * self.arm[j]);
-                }
-            }
+        let (n, arm) = (self.arm.len(), &self.arm);
+        for (k, row) in self.effect.chunks_exact_mut(n).enumerate() {
+            let from = match k.checked_sub(1) {
+                None => balance.influence,
+                Some(k) => &balance.passed[k % 2][k / 2 * n..][..n],
+            };
+            row.iter_mut().zip(from).zip(arm).for_each(|((effect, from), arm)| *effect = -(*from * *arm));
         }
     }
 
@@ -137,12 +135,29 @@ impl<T: Number> FrictionLoop<T> {
         false
     }
 
-    /// One correction by Newton's method, which also finds the derivatives of the solution at which it is made. Returns
-    /// the error that is left, or None if the determinant is not positive or the correction not finite.
+    /// |R_i| at the present unknowns, whose slopes it keeps.
+    #[inline]
+    pub(super) fn find_size(&mut self, i: usize, balance: &Balance<T>) -> T {
+        let [on_x, on_y] = balance.seconds[i];
+        let r = self.reaction(i, balance);
+        let size = self.measure(i, r);
+        let unit = if self.sign[i] == 0.0 {
+            let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
+            r.map(|r| r.value() * inverse)
+        } else {
+            [self.sign[i], 0.0]
+        };
+        let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
+        self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
+        size
+    }
+
+    /// One correction by Newton's method. Returns the error that is left, or None if the determinant is not positive or
+    /// the correction not finite.
     ///
     /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
     /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
-    pub(super) fn correct(&mut self, balance: &Balance<T>, part: f64) -> Option<f64> {
+    fn correct(&mut self, balance: &Balance<T>, part: f64) -> Option<f64> {
         let n = self.arm.len();
         let known = n - self.constant;
         for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
@@ -150,20 +165,11 @@ impl<T: Number> FrictionLoop<T> {
         }
         let mut scale = f64::MIN_POSITIVE;
         for i in 0..n {
-            let (of, [on_x, on_y]) = (1 + 2 * balance.groups[i], balance.seconds[i]);
-            let r = self.reaction(i, balance);
-            let size = self.measure(i, r);
+            let size = self.find_size(i, balance);
             self.rest[i] = size - self.size[i];
-            let unit = if self.sign[i] == 0.0 {
-                let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
-                r.map(|r| r.value() * inverse)
-            } else {
-                [self.sign[i], 0.0]
-            };
             self.measured[i] = size.value();
             scale = scale.max(size.value().abs());
-            let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
-            self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
+            let of = 1 + 2 * balance.groups[i];
             let [u, x, y] = self.direction[i].map(|slope| -part * slope);
             let row = &mut self.matrix[i * n..(i + 1) * n];
             let effects = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
@@ -172,7 +178,7 @@ impl<T: Number> FrictionLoop<T> {
             }
             row[i] += 1.0;
         }
-        self.determinant = eliminate(&mut self.matrix, &mut self.rest);
+        self.determinant = eliminate(&mut self.matrix[..n * n], &mut self.rest[..n]);
         if self.determinant.is_nan() || self.determinant <= 0.0 {
             return None;
         }
@@ -198,12 +204,12 @@ impl<T: Number> FrictionLoop<T> {
 }
 
 /// Inner product.
-fn total<T: Number>(a: &[T], b: &[T]) -> T {
+pub(super) fn total<T: Number>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
 /// Gauss elimination in place with row pivoting; the solution replaces the right-hand side. Returns the determinant.
-fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
+pub(super) fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
     let n = b.len();
     let mut determinant = 1.0;
     for k in 0..n {

@@ -2,6 +2,7 @@
 //!
 //! In: arms and reactions with derivatives. Out: the solution with its derivatives. It must not know the law of
 //! friction.
+use super::any::{eliminate, total};
 use super::{Balance, FrictionLoop, Locked};
 use crate::numerics::dual::Number;
 
@@ -50,8 +51,41 @@ impl<T: Number> FrictionLoop<T> {
         self.size.iter_mut().zip(&own.size).for_each(|(size, value)| *size = T::constant(*value));
         self.iterations = own.iterations;
         self.set_effects(balance);
+        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+            *unknown = total(row, &self.size);
+        }
         for _ in 0..=u32::from(T::CARRIES_SECOND) {
-            self.correct(balance, 1.0).ok_or(Locked)?;
+            self.correct_unknowns(balance)?;
+        }
+        Ok(())
+    }
+
+    /// A correction of the unknowns z. With D = d|R| / dz it solves (1 - B D) dz = B |R(z)| - z.
+    fn correct_unknowns(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+        let (n, unknowns) = (self.arm.len(), self.unknown.len());
+        for i in 0..n {
+            self.size[i] = self.find_size(i, balance);
+        }
+        for (k, row) in self.effect.chunks_exact(n).enumerate() {
+            self.rest[k] = total(row, &self.size) - self.unknown[k];
+            let matrix = &mut self.matrix[k * unknowns..][..unknowns];
+            matrix.fill(0.0);
+            matrix[k] = 1.0;
+            for ((effect, group), slopes) in row.iter().zip(balance.groups).zip(&self.direction) {
+                for (slope, column) in slopes.iter().zip([0, 1 + 2 * group, 2 + 2 * group]) {
+                    matrix[column] -= effect.value() * slope;
+                }
+            }
+        }
+        let determinant = eliminate(&mut self.matrix[..unknowns * unknowns], &mut self.rest[..unknowns]);
+        if determinant.is_nan() || determinant <= 0.0 {
+            return Err(Locked);
+        }
+        self.unknown.iter_mut().zip(&self.rest).for_each(|(unknown, step)| *unknown = *unknown + *step);
+        for ((size, group), slopes) in self.size.iter_mut().zip(balance.groups).zip(&self.direction) {
+            for (slope, row) in slopes.iter().zip([0, 1 + 2 * group, 2 + 2 * group]) {
+                *size = *size + self.rest[row] * *slope;
+            }
         }
         Ok(())
     }
