@@ -333,7 +333,7 @@ impl Model {
             Err(_) => None,
         };
         if let Some(time) = time {
-            if h >= SHORTEST {
+            if h >= SHORTEST && self.untuned.is_some() {
                 self.untuned = None;
             }
             if let Some(drive) = moves {

@@ -162,8 +162,9 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message =
-                    format_args!("the bumper has a constant force beyond {depth} {unit} of compression, even in an impact");
+                let message = format_args!(
+                    "the bumper has a constant force beyond {depth} {unit} of compression, even in an impact"
+                );
                 let remedy = "add a point at the largest compression of an impact, or add the key stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }

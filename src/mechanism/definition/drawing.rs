@@ -177,7 +177,10 @@ impl Mechanism {
         let paths = paths.chain(springs.map(|(name, _)| format!("springs.{name}")));
         let paths = paths.chain(stops.map(|(name, _)| format!("stops.{name}")));
         let paths = paths.chain(couplings.map(|(name, _)| format!("couplings.{name}")));
-        paths.chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}"))).map(|path| (path, ())).collect()
+        paths
+            .chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}")))
+            .map(|path| (path, ()))
+            .collect()
     }
 
     /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its

@@ -152,7 +152,8 @@ impl Mechanism {
         }
         match owners.as_slice() {
             [first, second, ..] => {
-                let message = format_args!("{first} and {second} both have the variable {variable}: rename one of them");
+                let message =
+                    format_args!("{first} and {second} both have the variable {variable}: rename one of them");
                 DefinitionError::key(second, message)
             }
             [one] => DefinitionError::key(

@@ -2,13 +2,12 @@
 use super::interpolation::Interpolation;
 use super::loads::Actuator;
 use super::mechanism::Mechanism;
-use crate::format::{DefinitionError, Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
+use crate::format::{Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
 use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
 use crate::variables::Unit::{
     Metre, MetrePerSecond, MetrePerSecondSquared, Radian, RadianPerSecond, RadianPerSecondSquared, Second,
 };
-use std::fmt;
 
 keys! {
     /// Prescribed motion of a drive, either by the inputs `<name>.motion.position`, `.speed` and `.acceleration` or by
@@ -161,8 +160,4 @@ impl Mechanism {
         }
         motion.check(&key, faults);
     }
-}
-
-fn refused<T>(key: impl fmt::Display, message: impl fmt::Display) -> Result<T, DefinitionError> {
-    Err(DefinitionError::key(key, message))
 }

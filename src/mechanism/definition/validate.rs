@@ -138,10 +138,8 @@ impl Mechanism {
                 body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    faults.refuse(
-                        key,
-                        "the bodies are fixed to each other in a circle: fix one of them to another body",
-                    );
+                    faults
+                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of them to another body");
                 }
             }
         }
@@ -276,10 +274,7 @@ impl Mechanism {
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
                 let allowed = alternatives("the bodies, prismatic joints and slots", &names, name);
-                faults.refuse(
-                    key,
-                    format!("there is no body, prismatic joint or slot with this name; {allowed}"),
-                );
+                faults.refuse(key, format!("there is no body, prismatic joint or slot with this name; {allowed}"));
             }
         }
     }

@@ -176,8 +176,11 @@ impl Mechanism {
         }
         let mut warn = |path: &dyn fmt::Display, value: Option<f64>, most: f64| {
             let Some(value) = value.filter(|value| value.abs() > most && Range::Turn.contains(*value)) else { return };
-            let message =
-                format_args!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
+            let message = format_args!(
+                "{} rad is {} turns",
+                Decimal::rounded(value),
+                Decimal((100.0 * value / TAU).round() / 100.0)
+            );
             let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
             let remedy = format_args!(
                 "if you mean {degrees} degrees, write {radians} rad or add \"units\": {{ \"angle\": \"deg\" }}"

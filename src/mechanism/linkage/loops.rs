@@ -127,7 +127,10 @@ impl Linkage {
                     let joint = &self.joints[index];
                     let across = |end: Point| {
                         let turn = self.bodies[end.body].offset - self.bodies[joint.first.body].offset;
-                        Some(cross(axis, turned(corners.iter().find(|(body, _)| *body == end.body)?.1 - end.local, turn)))
+                        Some(cross(
+                            axis,
+                            turned(corners.iter().find(|(body, _)| *body == end.body)?.1 - end.local, turn),
+                        ))
                     };
                     (Side::Slide(index), (across(joint.second)? - across(joint.first)?).abs())
                 }

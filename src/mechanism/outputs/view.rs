@@ -332,6 +332,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(finite(-free / slope))
     }
 
+    #[inline]
     fn impacts(&self, stop: usize) -> Impacts {
         self.state.impacts[stop]
     }
@@ -365,10 +366,12 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         self.drive_term(drive, term)
     }
 
+    #[inline]
     fn hydraulic(&mut self, output: Hydraulic) -> Result<N, OutputError> {
         N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.circuit)(self, output))
     }
 
+    #[inline]
     fn network(&mut self, output: network::Output) -> Result<N, OutputError> {
         N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.network)(self, output))
     }

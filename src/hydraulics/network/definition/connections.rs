@@ -121,8 +121,9 @@ impl HydraulicSystem {
                 faults.push(DefinitionError::value(format_args!("{group}.{name}"), format!("\"{name}\""), allowed));
             }
             if let Some((other, _)) = names.iter().find(|(_, known)| known == name) {
-                let message =
-                    format_args!("the element {other}.{name} already has this name; give each element a different name");
+                let message = format_args!(
+                    "the element {other}.{name} already has this name; give each element a different name"
+                );
                 faults.refuse(format_args!("{group}.{name}"), message);
             }
             names.push((group, name.to_owned()));
@@ -180,10 +181,7 @@ impl HydraulicSystem {
             }
         }
         if self.nodes.is_empty() && self.cylinders.is_empty() {
-            faults.refuse(
-                "nodes",
-                "the network has neither a node nor a cylinder: add a node or a cylinder",
-            );
+            faults.refuse("nodes", "the network has neither a node nor a cylinder: add a node or a cylinder");
         }
     }
 
@@ -251,7 +249,8 @@ impl HydraulicSystem {
         for (name, cylinder) in self.cylinders.iter() {
             let path = |key: &str| format!("cylinders.{name}.{key}");
             if cylinder.rod >= cylinder.bore {
-                let allowed = format_args!("below bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
+                let allowed =
+                    format_args!("below bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
                 faults.push(DefinitionError::value(path("rod"), Decimal(cylinder.rod), allowed));
             }
             for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {

@@ -25,7 +25,8 @@ impl HydraulicSystem {
     pub fn warnings(&self) -> Vec<Finding> {
         let (mut all, links, highest) = (Vec::new(), self.links(), self.highest());
         let ports = Ports::new(self);
-        let mut warn = |path: String, message: &dyn fmt::Display, remedy: &str| all.push(Finding::warning(path, message, remedy));
+        let mut warn =
+            |path: String, message: &dyn fmt::Display, remedy: &str| all.push(Finding::warning(path, message, remedy));
         let feeds = |port: &str, except: &str| {
             ports.find(port).is_some_and(|index| index >= ports.volumes)
                 || links.iter().any(|link| {

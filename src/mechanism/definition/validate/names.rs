@@ -97,10 +97,7 @@ impl Mechanism {
                 let key = format!("{key}.{name}");
                 faults.keep(check_name(&key, name));
                 if is_reserved(name) {
-                    faults.refuse(
-                        &key,
-                        "this name is a function or a constant of expressions: choose another name",
-                    );
+                    faults.refuse(&key, "this name is a function or a constant of expressions: choose another name");
                 }
                 if parameter.description.chars().any(char::is_control) {
                     faults.refuse(

@@ -66,8 +66,7 @@ impl Mechanism {
 
     /// Faults of an actuator that a cylinder of the network moves.
     fn check_cylinder(&self, name: &str, actuator: &Actuator, faults: &mut Faults) {
-        let mut refuse =
-            |key: &str, message: &str| faults.refuse(format_args!("actuators.{name}{key}"), message);
+        let mut refuse = |key: &str, message: &str| faults.refuse(format_args!("actuators.{name}{key}"), message);
         if self.turns(actuator) {
             refuse(
                 "",

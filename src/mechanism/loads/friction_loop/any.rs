@@ -204,6 +204,7 @@ impl<T: Number> FrictionLoop<T> {
 }
 
 /// Inner product.
+#[inline]
 pub(super) fn total<T: Number>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
