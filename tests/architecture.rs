@@ -1,11 +1,10 @@
-//! The imports in `src` agree with the table of modules in ARCHITECTURE.md.
+//! The imports in `src` agree with the table of modules in ARCHITECTURE.md, and no files import each other in a circle.
 //!
-//! A module imports only from rows above its own, and nothing that its row forbids. So no layer imports upwards, and
-//! there are no circles between modules. The test resolves paths with `crate::`, `super::` and brackets. Tests in the
-//! sources are excluded.
+//! A module imports only from rows above its own, and nothing that its row forbids. So no layer imports upwards. The
+//! tests resolve paths with `crate::`, `super::`, brackets and re-exports. Tests in the sources are excluded.
 #![allow(clippy::unwrap_used)]
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -53,12 +52,12 @@ fn files(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-/// Code of a file without comments and tests. Crates in `src` use the same paths for the modules of the engine.
+/// Code of a file without comments and tests.
 fn code(file: &Path) -> String {
     let text = fs::read_to_string(file).unwrap();
     let own = text.split("\nmod tests").next().unwrap();
     let lines: Vec<_> = own.lines().map(|line| line.split("//").next().unwrap()).collect();
-    lines.join("\n").replace("linkage_fmu::", "crate::")
+    lines.join("\n")
 }
 
 /// Paths of a tree of imports such as `a::{b, c::{d, e}}`.
@@ -131,7 +130,8 @@ fn no_module_imports_upwards() {
             assert!(shown.ends_with("/mod.rs") || shown == "src/lib.rs", "{shown}: no row of ARCHITECTURE.md has it");
             continue;
         };
-        for path in imports(&module, &code(file)) {
+        // Crates in `src` use the same paths for the modules of the engine.
+        for path in imports(&module, &code(file).replace("linkage_fmu::", "crate::")) {
             let Some(other) = row_of(&path) else {
                 if !is_within(&module, &path) {
                     wrong.push(format!("{shown}: {path} is in no row: import from the module that has it"));
@@ -144,6 +144,85 @@ fn no_module_imports_upwards() {
         }
     }
     assert!(wrong.is_empty(), "{} imports:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Names that a module re-exports, with the paths that they stand for.
+fn re_exports(module: &str, code: &str) -> BTreeMap<String, String> {
+    let is_public = |before: &str| before.ends_with("pub ") || before.ends_with(") ");
+    let statements = code.match_indices("use ").filter(|(at, _)| is_public(&code[..*at]));
+    let trees = statements.filter_map(|(at, _)| code[at + 4..].split(';').next());
+    let mut out = BTreeSet::new();
+    for tree in trees {
+        if tree.starts_with("crate::") || tree.starts_with("super::") {
+            out.extend(imports(module, tree));
+        } else {
+            expand(&format!("{module}::"), tree, &mut out);
+        }
+    }
+    out.into_iter().map(|path| (path.rsplit("::").next().unwrap().to_owned(), path)).collect()
+}
+
+/// The file that defines what an absolute path names, through at most four re-exports.
+fn definer<'m>(path: &str, files: &'m BTreeMap<String, (String, BTreeMap<String, String>)>) -> Option<&'m str> {
+    let mut path = path.to_owned();
+    for _ in 0..4 {
+        let parts: Vec<&str> = path.split("::").collect();
+        let length = (1..=parts.len()).rev().find(|length| files.contains_key(&parts[..*length].join("::")))?;
+        let (module, (_, renamed)) = files.get_key_value(&parts[..length].join("::"))?;
+        match parts.get(length).and_then(|name| renamed.get(*name)) {
+            Some(other) => path = other.clone(),
+            None => return Some(module),
+        }
+    }
+    None
+}
+
+/// The imports of each file from files that are neither its parents nor its children, as far as they are in a circle.
+fn circles(files: &BTreeMap<String, (String, BTreeMap<String, String>)>) -> Vec<String> {
+    let of = |(module, (code, _)): (&String, &(String, _))| {
+        let paths = imports(module, code);
+        let others = paths.iter().filter_map(|path| definer(path, files));
+        let others = others.filter(|other| !is_within(other, module) && !is_within(module, other));
+        (module.clone(), others.map(str::to_owned).collect::<BTreeSet<_>>())
+    };
+    let mut graph: BTreeMap<String, BTreeSet<String>> = files.iter().map(of).collect();
+    // A file that imports nothing is in no circle, and nor is a file that no other file imports from.
+    loop {
+        let imported: BTreeSet<String> = graph.values().flatten().cloned().collect();
+        let is_end = |(module, others): &(&String, &BTreeSet<_>)| others.is_empty() || !imported.contains(*module);
+        let Some(end) = graph.iter().find(is_end).map(|(module, _)| module.clone()) else { break };
+        graph.remove(&end);
+        graph.values_mut().for_each(|others| _ = others.remove(&end));
+    }
+    graph.iter().map(|(module, others)| format!("{module} imports from {others:?}")).collect()
+}
+
+/// A file may import from its parent module and from its children. Without these imports there are no circles, so that
+/// every file can be understood after the files that it imports from.
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    for folder in ["src", "fmu-build/src", "fmu-build/studies/src", "fmu-build/cli/src", "validation/src"] {
+        let (folder, mut sources) = (root().join(folder), Vec::new());
+        files(&folder, &mut sources);
+        let of = |file: &PathBuf| {
+            let module = module_of(file.strip_prefix(&folder).unwrap().to_str().unwrap().trim_end_matches("/mod.rs"));
+            let code = code(file);
+            (module.clone(), (code.clone(), re_exports(&module, &code)))
+        };
+        let found = circles(&sources.iter().map(of).collect());
+        assert!(found.is_empty(), "{}: files in circles:\n{}", folder.display(), found.join("\n"));
+    }
+}
+
+#[test]
+fn a_circle_through_a_re_export_is_found() {
+    let file = |module: &str, code: &str| (module.to_owned(), (code.to_owned(), re_exports(module, code)));
+    let a = ("a", "pub use b::B;\npub use c::C;");
+    let (b, c) = (("a::b", "use super::C;"), ("a::c", "use crate::a::B;"));
+    let found = circles(&[a, b, c].map(|(module, code)| file(module, code)).into());
+    assert_eq!(found.len(), 2, "{found:?}");
+    let (b, c) = (("a::b", "use super::A;"), ("a::c", "use super::b::B;"));
+    assert_eq!(circles(&[a, b, c].map(|(module, code)| file(module, code)).into()), [""; 0]);
 }
 
 #[test]

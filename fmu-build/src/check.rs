@@ -4,6 +4,7 @@
 //! about the model, as text or as JSON.
 
 mod faults;
+mod located;
 mod print;
 mod spans;
 mod syntax;
@@ -12,10 +13,10 @@ mod units;
 use crate::fmu::Definition;
 use crate::workspace::Workspace;
 use anyhow::Result;
-pub use faults::Located;
 pub use fmu_cli::Check as Arguments;
 use linkage_fmu::format::{Place, parse};
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
+pub use located::Located;
 use std::path::{Path, PathBuf};
 
 pub use print::{findings, json, line, listed, summary, text};

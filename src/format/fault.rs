@@ -1,6 +1,5 @@
 //! Faults of a definition, each with its key, its place and the remedy.
-use super::Range;
-use super::keys::Table;
+use super::range::Range;
 use crate::numerics::decimal::Decimal;
 use crate::variables::{Unit, edits, nearest};
 use std::fmt::{self, Display};
@@ -11,8 +10,8 @@ use std::ops;
 pub enum Fault {
     /// The text is not valid JSON.
     Syntax(String),
-    /// The object has no key of this name.
-    UnknownKey(String, &'static Table),
+    /// The object has no key of this name, but these keys.
+    UnknownKey(String, Vec<&'static str>),
     /// A required key is missing.
     Missing(&'static str),
     /// A name occurs twice in one object.
@@ -147,11 +146,11 @@ impl Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Syntax(message) | Self::Other(message) => f.write_str(message),
-            Self::UnknownKey(key, table) => {
+            Self::UnknownKey(key, keys) => {
                 write!(f, "there is no key `{key}` here; ")?;
-                match meant(table.names(), key) {
+                match meant(keys.iter().copied(), key) {
                     Some(meant) => write!(f, "did you mean `{meant}`?"),
-                    None => write!(f, "the keys are {}", listed(table.names(), "and")),
+                    None => write!(f, "the keys are {}", listed(keys.iter().copied(), "and")),
                 }
             }
             Self::Missing(key) => write!(f, "the key `{key}` is missing: add it"),
@@ -219,6 +218,30 @@ fn meant<'w>(words: impl Iterator<Item = &'w str> + Clone, word: &str) -> Option
     let nearest = nearest(words, word).into_iter().next()?;
     let is_alike = edits(word, nearest) <= 1 + word.len() / 5 || nearest.starts_with(word) || word.starts_with(nearest);
     is_alike.then_some(nearest)
+}
+
+impl Range {
+    /// Checks the value of a key.
+    ///
+    /// # Errors
+    /// The value is out of the range.
+    pub fn check(self, key: impl Display, value: f64) -> Result<(), DefinitionError> {
+        self.check_in(Unit::One, key, value)
+    }
+
+    /// Checks the value of a key in this unit.
+    ///
+    /// # Errors
+    /// The value is out of the range.
+    pub fn check_in(self, unit: Unit, key: impl Display, value: f64) -> Result<(), DefinitionError> {
+        if self.contains(value) { Ok(()) } else { Err(self.refused(unit, &key, value)) }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn refused(self, unit: Unit, key: &dyn Display, value: f64) -> DefinitionError {
+        DefinitionError::new(key.to_string(), Fault::Range(value, unit, self))
+    }
 }
 
 /// All faults of a definition, in the order in which they are found.

@@ -5,7 +5,8 @@
 //! its values by the rows of the table. Must not know: what a key means to a model.
 use super::json::Node;
 use super::named::Named;
-use super::parameter::{Range, Role};
+use super::range::Range;
+use super::role::Role;
 use crate::variables::Unit;
 
 /// Kind of the value of a key.
@@ -281,18 +282,6 @@ impl Element {
     /// The element of this type.
     pub const fn of<T: Described + Keyed + Default + 'static>(name: &'static str) -> Self {
         Self { name, table: T::TABLE, about: T::ABOUT, docs: T::DOCS, make: || Box::new(T::default()) }
-    }
-
-    /// The default of a key as JSON, from its row or from the struct. None for a required key and for a key without a
-    /// default.
-    pub fn default_of(&self, index: usize) -> Option<String> {
-        let (key, mut element) = (&self.table.keys[index], (self.make)());
-        let is_value = !matches!(element.slot(index), Slot::Maybe(_) | Slot::Object(_) | Slot::Own(_));
-        if !key.absent.is_empty() {
-            Some(key.absent.to_owned())
-        } else {
-            (is_value && !key.is_required).then(|| super::read::written_value(element.slot(index), &key.kind))
-        }
     }
 }
 

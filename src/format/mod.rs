@@ -14,8 +14,11 @@ mod keys;
 mod named;
 mod numbers;
 mod parameter;
+mod range;
 mod read;
+mod role;
 mod visit;
+mod write;
 
 pub use about::About;
 pub use aside::Aside;
@@ -31,6 +34,9 @@ pub use keys::{
 };
 pub use named::Named;
 pub use numbers::{Numbers, index_of};
-pub use parameter::{AXES, Flag, Owner, Parameter, Range, Role, Visit};
-pub use read::{LARGEST_DEFINITION, quoted, read, read_with, written};
+pub use parameter::{AXES, Flag, Owner, Parameter, Visit};
+pub use range::Range;
+pub use read::{LARGEST_DEFINITION, read, read_with};
+pub use role::Role;
 pub use visit::{Number, numbers};
+pub use write::{quoted, written};

@@ -1,7 +1,7 @@
-//! Reading and writing of definitions by their tables of keys.
+//! Reading of definitions by their tables of keys.
 //!
-//! In: a text, a value with its table. Out: the value as stated in the text, and all faults in the order of the text;
-//! the value as canonical JSON. Must not know: what a key means.
+//! In: a text, a value with its table. Out: the value as stated in the text, and all faults in the order of the text.
+//! Must not know: what a key means.
 use super::fault::{DefinitionError, Fault, Faults, Place};
 use super::json::{Json, Member, Node, parse};
 use super::keys::{Keyed, Kind, Short, Slot};
@@ -124,7 +124,7 @@ impl Reader<'_> {
                     is_given[index] = true;
                     reader.value(value, &table.keys[index].kind, into.slot(index));
                 }
-                None => reader.fault(Fault::UnknownKey(key.clone(), table), span),
+                None => reader.fault(Fault::UnknownKey(key.clone(), table.names().collect()), span),
             });
         }
         for (key, _) in table.keys.iter().zip(is_given).filter(|(key, is_given)| key.is_required && !is_given) {
@@ -219,88 +219,4 @@ fn expected(kind: &Kind, allows_texts: bool) -> String {
         },
         Kind::Own(words) => (*words).to_owned(),
     }
-}
-
-/// A definition as canonical JSON: compact, with all keys in the order of their tables and names in the order of the
-/// file. A missing value is null, unless the row of the key omits it.
-pub fn written(definition: &mut dyn Keyed) -> String {
-    let mut out = String::new();
-    write_object(definition, &mut out);
-    out
-}
-
-/// A value of a definition as canonical JSON.
-pub(super) fn written_value(slot: Slot, kind: &Kind) -> String {
-    let mut out = String::new();
-    write_value(slot, kind, &mut out);
-    out
-}
-
-fn write_object(object: &mut dyn Keyed, out: &mut String) {
-    let mut separator = '{';
-    for (index, key) in object.table().keys.iter().enumerate() {
-        if !key.is_brief || object.slot(index).is_given() {
-            out.push(separator);
-            separator = ',';
-            let _ = write!(out, "\"{}\":", key.name);
-            write_value(object.slot(index), &key.kind, out);
-        }
-    }
-    out.push_str(if separator == '{' { "{}" } else { "}" });
-}
-
-fn write_value(slot: Slot, kind: &Kind, out: &mut String) {
-    match (slot, kind) {
-        (Slot::Number(number), _) => write_number(*number, out),
-        (Slot::Whole(whole), _) => out.push_str(&whole.to_string()),
-        (Slot::Flag(flag), _) => out.push_str(if *flag { "true" } else { "false" }),
-        (Slot::Text(text), _) => out.push_str(&quoted(text)),
-        (Slot::Pair([x, y]), _) => {
-            out.push('[');
-            write_number(*x, out);
-            out.push(',');
-            write_number(*y, out);
-            out.push(']');
-        }
-        (Slot::Word(word), Kind::Word(words)) => out.push_str(&quoted(words[word.index()])),
-        (Slot::Object(object), _) => write_object(object, out),
-        (Slot::Maybe(maybe), _) => match maybe.get() {
-            Some(slot) => write_value(slot, kind, out),
-            None => out.push_str("null"),
-        },
-        (Slot::Group(group), Kind::Group(of)) => {
-            out.push('{');
-            let mut index = 0;
-            while let Some((name, slot)) = group.entry(index) {
-                out.push_str(if index == 0 { "" } else { "," });
-                out.push_str(&quoted(name));
-                out.push(':');
-                write_value(slot, of, out);
-                index += 1;
-            }
-            out.push('}');
-        }
-        (Slot::List(list), Kind::List(of)) => {
-            out.push('[');
-            let mut index = 0;
-            while let Some(slot) = list.element(index) {
-                out.push_str(if index == 0 { "" } else { "," });
-                write_value(slot, of, out);
-                index += 1;
-            }
-            out.push(']');
-        }
-        (Slot::Own(own), _) => out.push_str(&own.written()),
-        _ => unreachable!("a slot has the kind of its row"),
-    }
-}
-
-/// Writes a number with the fewest digits that give the same double, or null for a number that is not finite.
-fn write_number(number: f64, out: &mut String) {
-    out.push_str(&serde_json::to_string(&number).unwrap_or_default());
-}
-
-/// A text in quotes, with the escape sequences of JSON.
-pub fn quoted(text: &str) -> String {
-    serde_json::to_string(text).unwrap_or_default()
 }

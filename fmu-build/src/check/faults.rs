@@ -3,39 +3,22 @@
 //! In: the text of a definition. Out: findings with their places. Faults of JSON syntax are overwritten in a copy of
 //! the text without moving the rest, so that the rest can be read too.
 
+use super::located::{Located, MOST, at};
 use super::spans::find;
 use super::syntax::repair;
 use super::units::FileUnits;
 use crate::names;
 use anyhow::Result;
 use linkage_fmu::component::Component;
-use linkage_fmu::format::{Node, Place, parse};
+use linkage_fmu::format::parse;
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 use std::ops::Range;
-
-/// Key of the file of shared parameters, and the path that replaces the key by the contents of the file.
-const SHARED: &str = "parameters_from";
-const SHARED_CONTENTS: &str = "parameters_from.contents";
-
-/// Largest number of reported faults.
-pub const MOST: usize = 100;
 
 /// Range of a fault. For a fault after the last character, the range of the last character.
 fn visible(text: &str, span: Range<usize>) -> Range<usize> {
     let end = span.end.min(text.len());
     let last = text[..end].char_indices().next_back().filter(|_| span.is_empty());
     last.map_or(span, |(start, _)| start..end)
-}
-
-/// A finding with its place in the text.
-#[derive(Clone, Debug)]
-pub struct Located {
-    /// The finding.
-    pub finding: Finding,
-    /// Range of bytes that is underlined; empty for the whole file.
-    pub span: Range<usize>,
-    /// Line and column of the start of the range, from 1.
-    pub position: [usize; 2],
 }
 
 /// Results of the inspection of a text.
@@ -100,30 +83,6 @@ fn of_name(name: &str) -> Option<Finding> {
     let refused = refused.to_string();
     let reason = refused.strip_prefix(name).unwrap_or(&refused);
     Some(Finding::error("name", format_args!("name = \"{name}\"{reason}")))
-}
-
-/// Path of a shared parameter in its own file. None for any other key.
-fn shared_path(path: &str) -> Option<&str> {
-    path.strip_prefix(SHARED_CONTENTS)?.strip_prefix('.')
-}
-
-/// Convert a finding about a shared parameter: it refers to the key that names the file, and its text contains the path
-/// in this file.
-fn of_shared(root: &Node, finding: &mut Finding, span: &mut Range<usize>) -> Option<()> {
-    let path = shared_path(&finding.path)?;
-    let shared = root.member(SHARED)?;
-    let file = shared.value.member("file")?.value.text()?;
-    let rest = finding.message.strip_prefix(finding.path.as_str()).unwrap_or(&finding.message);
-    let rest = rest.strip_suffix(&format!(" (in {file})")).unwrap_or(rest);
-    finding.message = format!("{SHARED}: {file}: {path}{rest}");
-    (finding.path, *span) = (SHARED.to_owned(), shared.span.clone());
-    Some(())
-}
-
-/// A finding about this range of the text.
-pub fn at(text: &str, root: Option<&Node>, mut finding: Finding, mut span: Range<usize>) -> Located {
-    root.and_then(|root| of_shared(root, &mut finding, &mut span));
-    Located { position: Place::new(text, span.clone()).position, finding, span }
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 //! In: a text. Out: findings, and the same text with each fault overwritten without moving the rest, so that the rest
 //! can be read. The module must not know what the keys mean.
 
-use super::faults::{Located, MOST, at};
+use super::located::{Located, MOST, at};
 use jsonc_parser::errors::{ParseError, ParseErrorKind};
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use linkage_fmu::inspection::Finding;

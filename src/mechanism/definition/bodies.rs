@@ -1,9 +1,28 @@
 //! Bodies, points on them whose motion is asked for, joints, and the friction in these.
-use super::drawing::Drawn;
 use crate::format::{
     AXES, Flag, Key, Named, Owner, Parameter, Range, Role, Visit, curve, either, keys, number, point, words,
 };
 use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecond, Newton, NewtonMetre, One, Radian};
+
+keys! {
+    /// The object `drawn` states coordinates of the body's points in the mechanism frame, from a drawing that shows the
+    /// mechanism in one position. The program computes lengths, points in the frame of the body, and the guess from
+    /// the coordinates.
+    pub struct Drawn {
+        /// Coordinates of the body's point `origin` in the drawing [m].
+        origin: [f64; 2] => number(Metre, Range::Coordinate).required();
+        /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
+        /// `end`. The distance between `origin` and `end` is the length of the body.
+        end: Option<[f64; 2]> => number(Metre, Range::Coordinate);
+        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
+        /// together with `end`.
+        angle: Option<f64> => number(Radian, Range::Finite).absent("0");
+        /// Coordinates of additional points of the body in the drawing, by name [m].
+        points: Named<[f64; 2]> => number(Metre, Range::Coordinate);
+        /// Coordinates of the body's centre of mass in the drawing [m].
+        center: Option<[f64; 2]> => number(Metre, Range::Coordinate);
+    }
+}
 
 keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the

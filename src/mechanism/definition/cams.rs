@@ -1,5 +1,4 @@
 //! Disc cams: motion law of the follower, with the checks that need no geometry.
-use super::couplings::Coupling;
 use super::interpolation::Interpolation;
 use super::refusal::refused;
 use crate::format::{DefinitionError, Key, Range, either, keys, number, words};
@@ -62,81 +61,8 @@ impl CamLaw {
     }
 }
 
-impl Coupling {
-    /// The lift of a cam over one revolution. `key`: the key of the coupling.
-    ///
-    /// # Errors
-    /// Segments that are no revolution or do not return; points of no function.
-    pub fn lift(&self, key: &str) -> Result<Periodic, DefinitionError> {
-        match (&self.segments, &self.points) {
-            (Some(segments), None) => of_segments(segments, key, self.joint.is_none()),
-            (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
-            (Some(_), Some(_)) => refused(
-                format!("{key}.points"),
-                "the key segments already defines the lift: remove the key points or the key segments",
-            ),
-            (None, None) => refused(key.to_owned(), "the cam has no lift: add segments, or points [angle, lift]"),
-        }
-    }
-
-    /// Faults of the keys of a cam.
-    pub(super) fn check_cam(&self, key: &str) -> Result<(), DefinitionError> {
-        let at = |k: &str| format!("{key}.{k}");
-        match (&self.joint, &self.second) {
-            (Some(_), Some(_)) => {
-                return refused(
-                    at("second"),
-                    "the follower already slides in a joint: remove the key second, or remove the key joint for a \
-                     follower that turns",
-                );
-            }
-            (None, None) => {
-                let message = "the follower has no motion: add the key joint for a follower that slides, or the key \
-                               second (the centre of rotation) for a follower that turns";
-                return refused(key.to_owned(), message);
-            }
-            (Some(_), None) if self.carrier.is_some() => {
-                return refused(
-                    at("carrier"),
-                    "the joint of the follower defines the carrier of the cam: remove the key carrier",
-                );
-            }
-            _ => {}
-        }
-        if self.interpolation.is_some() && self.points.is_none() {
-            let message = "only a lift that points define has an interpolation, but this cam has no points: remove the \
-                           key interpolation, or give points";
-            return refused(at("interpolation"), message);
-        }
-        if self.phase.is_some() {
-            return refused(
-                at("phase"),
-                "the radius of the base circle defines the position of the follower at lift 0: remove the key phase",
-            );
-        }
-        match (self.follower, self.roller_radius, self.face_angle) {
-            (Some(Follower::Roller), None, _) => {
-                return refused(at("roller_radius"), "a roller follower needs this key: add the key roller_radius");
-            }
-            (Some(Follower::Roller), _, Some(_)) => {
-                return refused(
-                    at("face_angle"),
-                    "a roller follower has no flat face: remove face_angle, or write \"follower\": \"flat\"",
-                );
-            }
-            (Some(Follower::Flat), Some(_), _) => {
-                return refused(
-                    at("roller_radius"),
-                    "a flat follower has no roller: remove roller_radius, or write \"follower\": \"roller\"",
-                );
-            }
-            _ => {}
-        }
-        self.lift(key).map(|_| ())
-    }
-}
-
-fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Periodic, DefinitionError> {
+/// The lift of segments. `turns`: whether the follower turns.
+pub(super) fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Periodic, DefinitionError> {
     let unit = if turns { Radian } else { Metre };
     let last = segments.len().saturating_sub(1);
     let (mut angle, mut lift, mut largest) = (0.0, 0.0, 0.0_f64);
@@ -201,7 +127,12 @@ fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Result<Period
         .map_or_else(|| refused(format!("{key}.segments"), "the list of segments is empty: add segments"), Ok)
 }
 
-fn of_points(points: &[[f64; 2]], interpolation: Interpolation, key: &str) -> Result<Periodic, DefinitionError> {
+/// The lift through points.
+pub(super) fn of_points(
+    points: &[[f64; 2]],
+    interpolation: Interpolation,
+    key: &str,
+) -> Result<Periodic, DefinitionError> {
     let is_finite = points.iter().flatten().all(|value| value.is_finite());
     match interpolation.periodic(points).filter(|_| is_finite && points.len() >= FEWEST) {
         Some(lift) => Ok(lift),

@@ -3,9 +3,9 @@
 //!
 //! In: the definition of a spring, a drive or a stop. Out: faults of its curves, and warnings about curves that are
 //! probably not those that are meant. It must not know geometry.
+use super::Mechanism;
 use super::contact::Stop;
 use super::loads::{Actuator, Spring};
-use super::mechanism::Mechanism;
 use super::refusal::{Check, refused};
 use crate::format::Range;
 use crate::inspection::Finding;

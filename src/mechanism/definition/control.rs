@@ -1,6 +1,6 @@
 //! Control of a drive: gains, start values of the commands, limits of the force.
+use super::Mechanism;
 use super::loads::Actuator;
-use super::mechanism::Mechanism;
 use crate::format::{Faults, Range, Role, either, keys, number};
 use crate::variables::Unit::{
     Metre, MetrePerSecond, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerRadianSecond,

@@ -1,12 +1,14 @@
 //! Couplings: gears, racks, belts and cams between two bodies, with the checks that need no geometry.
 use super::Mechanism;
-use super::cams::{CamSegment, Follower};
+use super::cams::{CamSegment, Follower, of_points, of_segments};
 use super::interpolation::Interpolation;
+use super::refusal::refused;
 use crate::format::{
     DefinitionError, Described, Faults, Key, Keyed, Owner, Range, Role, Visit, curve, either, element, keys, number,
     point, words,
 };
 use crate::mechanism::definition::bodies::JointKind;
+use crate::numerics::periodic::Periodic;
 use crate::variables::Unit::{Metre, Newton, One, Radian};
 
 /// Pressure angle of teeth where the file states none [rad]: 20 degrees (ISO 53).
@@ -285,5 +287,79 @@ impl Mechanism {
             );
         }
         Ok(())
+    }
+}
+
+impl Coupling {
+    /// The lift of a cam over one revolution. `key`: the key of the coupling.
+    ///
+    /// # Errors
+    /// Segments that are no revolution or do not return; points of no function.
+    pub fn lift(&self, key: &str) -> Result<Periodic, DefinitionError> {
+        match (&self.segments, &self.points) {
+            (Some(segments), None) => of_segments(segments, key, self.joint.is_none()),
+            (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
+            (Some(_), Some(_)) => refused(
+                format!("{key}.points"),
+                "the key segments already defines the lift: remove the key points or the key segments",
+            ),
+            (None, None) => refused(key.to_owned(), "the cam has no lift: add segments, or points [angle, lift]"),
+        }
+    }
+
+    /// Faults of the keys of a cam.
+    pub(super) fn check_cam(&self, key: &str) -> Result<(), DefinitionError> {
+        let at = |k: &str| format!("{key}.{k}");
+        match (&self.joint, &self.second) {
+            (Some(_), Some(_)) => {
+                return refused(
+                    at("second"),
+                    "the follower already slides in a joint: remove the key second, or remove the key joint for a \
+                     follower that turns",
+                );
+            }
+            (None, None) => {
+                let message = "the follower has no motion: add the key joint for a follower that slides, or the key \
+                               second (the centre of rotation) for a follower that turns";
+                return refused(key.to_owned(), message);
+            }
+            (Some(_), None) if self.carrier.is_some() => {
+                return refused(
+                    at("carrier"),
+                    "the joint of the follower defines the carrier of the cam: remove the key carrier",
+                );
+            }
+            _ => {}
+        }
+        if self.interpolation.is_some() && self.points.is_none() {
+            let message = "only a lift that points define has an interpolation, but this cam has no points: remove the \
+                           key interpolation, or give points";
+            return refused(at("interpolation"), message);
+        }
+        if self.phase.is_some() {
+            return refused(
+                at("phase"),
+                "the radius of the base circle defines the position of the follower at lift 0: remove the key phase",
+            );
+        }
+        match (self.follower, self.roller_radius, self.face_angle) {
+            (Some(Follower::Roller), None, _) => {
+                return refused(at("roller_radius"), "a roller follower needs this key: add the key roller_radius");
+            }
+            (Some(Follower::Roller), _, Some(_)) => {
+                return refused(
+                    at("face_angle"),
+                    "a roller follower has no flat face: remove face_angle, or write \"follower\": \"flat\"",
+                );
+            }
+            (Some(Follower::Flat), Some(_), _) => {
+                return refused(
+                    at("roller_radius"),
+                    "a flat follower has no roller: remove roller_radius, or write \"follower\": \"roller\"",
+                );
+            }
+            _ => {}
+        }
+        self.lift(key).map(|_| ())
     }
 }

@@ -4,10 +4,10 @@
 //! In: a mechanism as read. Out: the same mechanism in lengths, points in the bodies' frames and a guess, in SI units.
 //! It must not know how loops are closed.
 use super::between::Between;
-use super::bodies::{Body, JointKind};
+use super::bodies::{Body, Drawn, JointKind};
 use super::loads::Actuator;
-use super::mechanism::{GROUND, Mechanism};
-use crate::format::{Aside, DefinitionError, Faults, Key, Named, Number, Range, Role, keys, number, numbers, words};
+use super::{GROUND, Mechanism};
+use crate::format::{Aside, DefinitionError, Faults, Key, Named, Number, Role, keys, numbers, words};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross, turned};
 use crate::variables::Unit;
@@ -29,24 +29,6 @@ keys! {
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");
         /// Unit of all lengths in the mechanism file.
         length: Option<LengthUnit> => Key::PLAIN.absent("\"m\"");
-    }
-
-    /// The object `drawn` states coordinates of the body's points in the mechanism frame, from a drawing that shows the
-    /// mechanism in one position. The program computes lengths, points in the frame of the body, and the guess from
-    /// the coordinates.
-    pub struct Drawn {
-        /// Coordinates of the body's point `origin` in the drawing [m].
-        origin: [f64; 2] => number(Unit::Metre, Range::Coordinate).required();
-        /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
-        /// `end`. The distance between `origin` and `end` is the length of the body.
-        end: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
-        /// together with `end`.
-        angle: Option<f64> => number(Unit::Radian, Range::Finite).absent("0");
-        /// Coordinates of additional points of the body in the drawing, by name [m].
-        points: Named<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
-        /// Coordinates of the body's centre of mass in the drawing [m].
-        center: Option<[f64; 2]> => number(Unit::Metre, Range::Coordinate);
     }
 }
 

@@ -3,7 +3,7 @@
 //!
 //! In: points and the kind of curve that the definition states. Out: the curve, and a warning where it goes beyond its
 //! points. It must not know geometry.
-use super::mechanism::Mechanism;
+use super::Mechanism;
 use crate::format::words;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;

@@ -3,7 +3,7 @@
 //! In: a definition whose keys are sound. Out: faults of what needs masses; the definition without what has no effect,
 //! so that nothing that needs masses becomes a variable. It must not know how the motion is found without masses.
 use super::experiment::Method;
-use super::mechanism::{GROUND, Mechanism};
+use super::{GROUND, Mechanism};
 use crate::format::{Faults, Named};
 use crate::inspection::Finding;
 

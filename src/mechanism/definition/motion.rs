@@ -1,7 +1,6 @@
 //! The prescribed motion of a drive, as the file states it.
+use super::Mechanism;
 use super::interpolation::Interpolation;
-use super::loads::Actuator;
-use super::mechanism::Mechanism;
 use crate::format::{Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
 use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
@@ -130,34 +129,5 @@ impl Mechanism {
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
-    }
-
-    /// Faults of the motion of a drive, if it has one.
-    pub(super) fn check_motion(&self, name: &str, drive: &Actuator, faults: &mut Faults) {
-        let Some(motion) = &drive.motion else { return };
-        let key = format!("actuators.{name}.motion");
-        if self.has_hydraulics() {
-            let message = match self.hydraulic_drive() {
-                Some((_, other, _)) => format!(
-                    "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit \
-                     or this motion"
-                ),
-                None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
-            };
-            faults.refuse(&key, message);
-        }
-        if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
-            let message = format_args!(
-                "the drive {other} already has a prescribed motion, which moves the whole mechanism: remove one of the \
-                 two motions"
-            );
-            faults.refuse(&key, message);
-        }
-        if self.start.equilibrium && motion.enabled {
-            let message = "`start` cannot be `equilibrium` with a prescribed motion, because every position is then an \
-                           equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
-            faults.refuse(&key, message);
-        }
-        motion.check(&key, faults);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: a definition as it was read. Out: all faults that it shows, each under its key. It must not know how loops
 //! close.
+mod drives;
 mod names;
 mod network;
 
@@ -12,8 +13,8 @@ use super::contact::Stop;
 use super::control::check_control;
 use super::experiment::Solver;
 use super::loads::Surface;
-use super::mechanism::{GROUND, Mechanism};
 use super::refusal::{Check, refused};
+use super::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::variables::Unit;
 use names::{alternatives, check_name, entry};

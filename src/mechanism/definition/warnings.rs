@@ -3,8 +3,8 @@
 //!
 //! In: a definition as read, before its flags have their defaults. Out: warnings. It must not know how loops are
 //! closed.
-use super::mechanism::{GROUND, Mechanism};
 use super::validate::idle_keys;
+use super::{GROUND, Mechanism};
 use super::{JointKind, Range, Unclear};
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::plausibility::circuit_warnings;

@@ -7,9 +7,8 @@
 //! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know
 //! steps.
 use crate::integrator::System;
-use crate::mechanism::dynamics::hydraulic::Ports;
-use crate::mechanism::dynamics::network::NetworkPorts;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
+use crate::mechanism::dynamics::ports::{NetworkPorts, Ports};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::laws::friction::Regime;

@@ -5,13 +5,10 @@
 //! at which a step ends. The force of the drive acts like an applied load whose size follows from the pressures and the
 //! speed. It must not know steps.
 use crate::hydraulics::circuit::{CIRCUIT, DYNAMIC, Equations, FREE, SPOOL, SUPPLY};
-use crate::hydraulics::inputs::{CommandSignal, Polynomial, Surroundings};
 use crate::integrator::{System, differences};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::ports::Ports;
 use crate::mechanism::dynamics::state_loads::Evaluation;
-use crate::mechanism::loads::resolved::HydraulicDrive;
-use crate::numerics::order;
 use crate::numerics::table::Table;
 
 /// Components of the state of a motion: sigma, sigma_dot, energy lost.
@@ -25,8 +22,6 @@ const LEADING: usize = MOTION + DYNAMIC;
 
 /// Number of borders of [`border_of`].
 pub const BORDERS: usize = 6;
-/// Most instants within a step at which its integration ends.
-pub(super) const INSTANTS: usize = 16;
 /// Part of the weight of the speed without a circuit that holds with one: oil lets a mechanism move much slower than it
 /// would fall.
 pub(super) const SPEED_FLOOR: f64 = 0.02;
@@ -34,69 +29,6 @@ pub(super) const SPEED_FLOOR: f64 = 0.02;
 pub(super) const ON_BORDER: f64 = 1e-10;
 /// Distance from a kink of the pump's flow up to which its pressure is on it, as a part of the pressure.
 const ON_KINK: f64 = 1e-9;
-/// Time after an instant up to which it is taken to have come [s].
-const JUST_NOW: f64 = 1e-15;
-/// Time [s] up to which instants are looked for in a step that may go on beyond the end of the span.
-const BEYOND: f64 = 1e12;
-
-/// The circuit during one step: laws, ports, command.
-#[derive(Clone, Debug)]
-pub struct Ports<'a> {
-    laws: &'a Equations,
-    /// Index of the drive's load.
-    load: usize,
-    /// Displacement of the drive's load: the length of the actuator over sigma, with two derivatives, on the stretch of
-    /// the curve with the guess.
-    length: &'a Table,
-    surroundings: Surroundings,
-    /// Instants at which the command has a kink [s], ascending; the last ones infinite.
-    kinks: [f64; INSTANTS],
-}
-
-/// An input over a step.
-#[inline]
-fn polynomial(inputs: &Inputs, input: usize) -> Polynomial {
-    let rates = if inputs.signal.ahead { [inputs.signal.first[input], inputs.signal.second[input]] } else { [0.0; 2] };
-    Polynomial([inputs.reals[input], rates[0], 0.5 * rates[1], 0.0, 0.0, 0.0])
-}
-
-/// Command of the valve over a step that begins `time` [s] after the start.
-#[inline]
-pub fn command(drive: &HydraulicDrive, inputs: &Inputs, time: f64) -> CommandSignal {
-    CommandSignal::new(polynomial(inputs, drive.first_input), &drive.command, time)
-}
-
-impl<'a> Ports<'a> {
-    /// The circuit over a step of `h` [s] that begins `time` [s] after the start; `length`: table of the length of the
-    /// actuator.
-    pub fn new(drive: &'a HydraulicDrive, length: &'a Table, inputs: &Inputs, time: f64, h: f64) -> Self {
-        let command = command(drive, inputs, time);
-        let (mut kinks, mut count) = ([f64::INFINITY; INSTANTS], 0);
-        command.kinks(if inputs.signal.ahead { h } else { BEYOND }, &mut |t| {
-            if count < INSTANTS {
-                kinks[count] = t;
-                count += 1;
-            }
-        });
-        order::sort(&mut kinks[..count]);
-        let [supply, tank] = [1, 2].map(|port| polynomial(inputs, drive.first_input + port));
-        let surroundings = Surroundings { supply, tank, command };
-        Self { laws: &drive.laws, load: drive.load, length, surroundings, kinks }
-    }
-
-    /// The next instant after t [s] at which the command has a kink; infinite if there is none.
-    #[inline]
-    pub fn next_kink(&self, t: f64) -> f64 {
-        next_instant(&self.kinks, t)
-    }
-}
-
-/// The first of some instants that comes after t [s]; infinite if there is none.
-#[inline]
-pub(super) fn next_instant(instants: &[f64], t: f64) -> f64 {
-    let next = instants.iter().find(|instant| **instant > t + JUST_NOW + 4.0 * f64::EPSILON * t);
-    next.copied().unwrap_or(f64::INFINITY)
-}
 
 /// Where the laws of a circuit are not smooth, or change within a hair's breadth: two lengths at which the cushions of
 /// the chambers A and B begin [m], two pressures between which the pump reduces its flow [Pa], two positions of the

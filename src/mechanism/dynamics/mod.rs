@@ -8,6 +8,7 @@ pub mod inverse;
 mod kinks;
 pub mod network;
 pub mod panel_force;
+pub mod ports;
 pub mod prescribed;
 pub mod state_loads;
 pub mod switches;

@@ -4,19 +4,13 @@
 //! sigma_dot, energy lost, components of the network), their error weights, the places and times at which a step ends.
 //! It must not know steps.
 use crate::hydraulics::circuit::FREE;
-use crate::hydraulics::inputs::Polynomial;
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
-use crate::hydraulics::network::inputs::limits;
 use crate::hydraulics::network::laws::{Border, Drive, Laws, Lock};
 use crate::integrator::{System, differences};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::mechanism::dynamics::hydraulic::{INSTANTS, MOTION, ON_BORDER, SPEED_FLOOR, length_at, next_instant};
-use crate::mechanism::dynamics::inputs::Inputs;
+use crate::mechanism::dynamics::hydraulic::{MOTION, ON_BORDER, SPEED_FLOOR, length_at};
+use crate::mechanism::dynamics::ports::NetworkPorts;
 use crate::mechanism::dynamics::state_loads::Evaluation;
-use crate::mechanism::loads::resolved::NetworkDrives;
-use crate::mechanism::reduced::Reduced;
-use crate::numerics::order;
-use crate::numerics::table::Table;
 
 pub use crate::hydraulics::network::definition::CAPACITY;
 
@@ -68,80 +62,6 @@ pub fn switch_locks(laws: &Laws, state: &mut [f64], changed: &mut impl FnMut(usi
             state[place] = f64::from(engaged);
             changed(index, engaged);
         }
-    }
-}
-
-/// The network during one step: laws, inputs, lengths of the cylinders.
-#[derive(Clone, Debug)]
-pub struct NetworkPorts<'a> {
-    drives: &'a NetworkDrives,
-    /// Displacement of the load of each cylinder over sigma, on the stretch of the curve with the guess.
-    lengths: [Option<&'a Table>; MOST_CYLINDERS],
-    inputs: &'a Inputs,
-    /// Instants at which an input is clipped [s], ascending; the last ones infinite.
-    kinks: [f64; INSTANTS],
-}
-
-/// An input of the network over a step, by its index among those.
-#[inline]
-fn polynomial(drives: &NetworkDrives, inputs: &Inputs, index: usize) -> Polynomial {
-    let input = drives.first_input + index;
-    let rates = if inputs.signal.ahead { [inputs.signal.first[input], inputs.signal.second[input]] } else { [0.0; 2] };
-    Polynomial([inputs.reals[input], rates[0], 0.5 * rates[1], 0.0, 0.0, 0.0])
-}
-
-/// The value of an input of the network that acts, by its index among those and the value that the host states.
-#[inline]
-pub fn acting(laws: &Laws, index: usize, value: f64) -> f64 {
-    let [least, most] = limits(laws.layout.input(index));
-    value.clamp(least, most)
-}
-
-impl<'a> NetworkPorts<'a> {
-    /// The network over a step of `h` [s]; None if a length is not smooth along the motion.
-    pub fn new(drives: &'a NetworkDrives, reduced: &'a Reduced, inputs: &'a Inputs, h: f64) -> Option<Self> {
-        let mut lengths = [None; MOST_CYLINDERS];
-        for (length, load) in lengths.iter_mut().zip(&drives.loads) {
-            *length = Some(reduced.displacement(*load).ok()?);
-        }
-        let (mut kinks, mut count) = ([f64::INFINITY; INSTANTS], 0);
-        if inputs.signal.ahead {
-            let layout = &drives.laws.layout;
-            for index in 0..layout.flow_inputs() {
-                for limit in limits(layout.input(index)).into_iter().filter(|limit| limit.is_finite()) {
-                    polynomial(drives, inputs, index).passages(limit, h, &mut |t| {
-                        if count < INSTANTS {
-                            (kinks[count], count) = (t, count + 1);
-                        }
-                    });
-                }
-            }
-            order::sort(&mut kinks[..count]);
-        }
-        Some(Self { drives, lengths, inputs, kinks })
-    }
-
-    /// The next instant after t [s] at which an input is clipped; infinite if there is none.
-    #[inline]
-    pub fn next_kink(&self, t: f64) -> f64 {
-        next_instant(&self.kinks, t)
-    }
-
-    /// Number of places at which the laws are not smooth.
-    #[inline]
-    pub fn borders(&self) -> usize {
-        self.drives.laws.borders()
-    }
-
-    /// Inputs that act at the time t [s].
-    #[inline]
-    fn acting_at(&self, t: f64) -> [f64; CAPACITY] {
-        let (laws, first, signal) = (&self.drives.laws, self.drives.first_input, &self.inputs.signal);
-        let mut u = [0.0; CAPACITY];
-        for (index, u) in u.iter_mut().enumerate().take(laws.layout.flow_inputs()) {
-            *u = acting(laws, index, signal.at(first + index, self.inputs.reals[first + index], t));
-        }
-        u
     }
 }
 

@@ -1,7 +1,7 @@
 //! Positions, rates and accelerations of the bodies, outward along the tree.
 //!
 //! In: coordinates and their derivatives. Out: the same of angles, origins and points. It must not know loops.
-use super::slot::Along;
+use super::slot::{Along, Slot};
 use super::structure::{Freedom, Joint, Linkage, Point};
 use crate::numerics::plane::{Vec2, perp, rotated};
 
@@ -204,5 +204,24 @@ impl Linkage {
             }
             a.origin[child] = v;
         }
+    }
+}
+
+impl Linkage {
+    /// Second derivative of the vector from the first point of a slot's joint to the point of the curve, for rates and
+    /// second rates of the bodies and of the coordinates.
+    pub(super) fn slot_second_rate(
+        &self,
+        slot: usize,
+        p: &Positions,
+        (r, a): (&Rates, &Rates),
+        [q_rate, q_second]: [&[f64]; 2],
+    ) -> Vec2 {
+        let Slot { joint, coordinate, .. } = self.slots[slot];
+        let (Along { out, axis, bend, .. }, body) = (p.slots[slot], self.joints[joint].first.body);
+        let (omega, alpha) = (r.angle[body], a.angle[body]);
+        let rate = q_rate[coordinate];
+        q_second[coordinate] * axis + rate * rate * bend + 2.0 * omega * rate * perp(axis) + alpha * perp(out)
+            - omega * omega * out
     }
 }

@@ -5,9 +5,7 @@
 //!
 //! The position s is a coordinate. The pin is at c(s) from the first point of the joint, in axes that turn with the
 //! first body, so that it has no force along the curve and no moment.
-use super::motion::{Positions, Rates};
-use super::structure::Linkage;
-use crate::numerics::plane::{Vec2, perp, rotated};
+use crate::numerics::plane::{Vec2, rotated};
 use crate::numerics::track::Track;
 
 /// A curved slot.
@@ -49,24 +47,5 @@ impl Slot {
     pub(super) fn along(&self, s: f64, rotation: (f64, f64)) -> Along {
         let [out, axis, bend] = self.local(s).map(|v| rotated(rotation, v));
         Along { position: s, out, axis, bend }
-    }
-}
-
-impl Linkage {
-    /// Second derivative of the vector from the first point of a slot's joint to the point of the curve, for rates and
-    /// second rates of the bodies and of the coordinates.
-    pub(super) fn slot_second_rate(
-        &self,
-        slot: usize,
-        p: &Positions,
-        (r, a): (&Rates, &Rates),
-        [q_rate, q_second]: [&[f64]; 2],
-    ) -> Vec2 {
-        let Slot { joint, coordinate, .. } = self.slots[slot];
-        let (Along { out, axis, bend, .. }, body) = (p.slots[slot], self.joints[joint].first.body);
-        let (omega, alpha) = (r.angle[body], a.angle[body]);
-        let rate = q_rate[coordinate];
-        q_second[coordinate] * axis + rate * rate * bend + 2.0 * omega * rate * perp(axis) + alpha * perp(out)
-            - omega * omega * out
     }
 }

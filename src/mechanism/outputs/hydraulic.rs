@@ -4,20 +4,13 @@
 //! numbers N. It must not know how a step is made.
 use crate::hydraulics::circuit::{CIRCUIT, ENERGIES, ENERGY, Equations, Point};
 use crate::hydraulics::network::definition::CAPACITY;
-use crate::hydraulics::network::outputs::Output;
-use crate::mechanism::dynamics::hydraulic::command;
+use crate::mechanism::dynamics::ports::command;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};
-use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::outputs::view::{HydraulicOutputs, Reading, View};
 use crate::mechanism::quantity::Hydraulic;
 use crate::numerics::dual::Dual;
 use std::sync::OnceLock;
-
-/// Outputs of hydraulics in numbers N. A library that never allows hydraulics does not contain their code.
-pub struct HydraulicOutputs<N: Reading> {
-    pub circuit: fn(&mut View<N>, Hydraulic) -> Result<N, OutputError>,
-    pub network: fn(&mut View<N>, Output) -> Result<N, OutputError>,
-}
 
 /// Rates of the state of a circuit, network or integral parts.
 static RATES: OnceLock<fn(&mut View<f64>) -> Result<[f64; CAPACITY], OutputError>> = OnceLock::new();

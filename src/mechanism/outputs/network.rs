@@ -5,7 +5,7 @@
 use crate::hydraulics::network::definition::{CAPACITY, MOST_CYLINDERS};
 use crate::hydraulics::network::laws::Drive;
 use crate::hydraulics::network::outputs::{Output, Present};
-use crate::mechanism::dynamics::network::acting;
+use crate::mechanism::dynamics::ports::acting;
 use crate::mechanism::loads::resolved::NetworkDrives;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};

@@ -15,7 +15,6 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::state::{State, engages};
 use crate::mechanism::outputs::cache::{Forces, OutputCache, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
-use crate::mechanism::outputs::hydraulic::HydraulicOutputs;
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
@@ -30,6 +29,12 @@ pub struct View<'a, N: Reading> {
     pub cache: &'a mut OutputCache<N>,
     /// Cache of the values, where N carries derivatives.
     pub values: N::Values<'a>,
+}
+
+/// Outputs of hydraulics in numbers N. A library that never allows hydraulics does not contain their code.
+pub struct HydraulicOutputs<N: Reading> {
+    pub circuit: fn(&mut View<N>, Hydraulic) -> Result<N, OutputError>,
+    pub network: fn(&mut View<N>, network::Output) -> Result<N, OutputError>,
 }
 
 /// Numbers in which the reduced model is read.

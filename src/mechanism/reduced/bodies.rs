@@ -2,7 +2,7 @@
 //!
 //! In: the curve, the loads of unit size. Out: a table of functions of sigma, built at its first use. It must not know
 //! sizes of loads or drives.
-use super::model::Reduced;
+use super::Reduced;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::{GROUND, Point};
 use crate::mechanism::loads::unit_load::{Load, Wrench};

@@ -7,34 +7,22 @@ use super::characteristics;
 use super::error::ReductionError;
 use super::knots::knots;
 use super::meetings::{self, MEET};
-use super::model::{Reduced, Tables};
 use super::reactions::ReactionTables;
 use super::resolved::{Resolved, limits};
-use super::snap::{FLAT, trace};
+use super::snap::{not_smooth, trace};
 use super::source::Source;
 use super::state_loads::StateLoads;
-use super::stored::{START, Stored};
+use super::stored::{Origin, START};
 use super::stretches::Beyond;
 use super::weight::Weight;
-use crate::mechanism::closure::straight;
-use crate::mechanism::curve::{Configuration, Curve, CurveError, NEAR_CROSSING, NearMiss};
-use crate::mechanism::definition::{Mechanism, Solver};
+use super::{Reduced, Tables};
+use crate::mechanism::curve::{Configuration, Curve};
+use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::{Linkage, Point};
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::table::{Grid, NOISE, Unresolved};
 use std::sync::{Arc, OnceLock};
-
-/// What a reduced model is of.
-#[derive(Clone, Copy)]
-pub(super) enum Origin<'a> {
-    /// The curve through the guess.
-    Guess(&'a Solver),
-    /// The curve through the guess, with kept tables.
-    Stored(&'a Solver, &'a Stored),
-    /// A further stretch of the curve of a reduced model, with its number.
-    Whole(&'a Reduced, i32),
-}
 
 impl Reduced {
     /// Assemble, trace and reduce.
@@ -301,23 +289,5 @@ fn unresolved_influence(loading: &Loading, curve: &Curve, at: &Unresolved) -> Re
     match meets {
         Some(load) => ReductionError::EndsMeet { name: loading.name(load), position },
         None => not_smooth(curve, loading.name(at.component.min(loading.loads.len() - 1)), at),
-    }
-}
-
-/// Error for a function that is not smooth along the curve: branches almost cross, or nothing with mass moves.
-pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
-    let position = curve.describe(at.sigma, 0.0);
-    let crosses = curve.crossings.iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
-    if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
-        let (misses, near) =
-            (curve.near.misses.iter(), |miss: &NearMiss| (miss.sigma - at.sigma).abs() < curve.scale());
-        let miss = misses.filter(|miss| near(miss)).map(|miss| miss.miss).reduce(f64::min);
-        // No branches cross where a loop is stretched flat.
-        if let Some(flat) = straight(curve.drawn(), FLAT) {
-            return ReductionError::Assembly(flat);
-        }
-        ReductionError::Curve(CurveError::NearCrossing { position, at: curve.configuration(at.sigma).q, miss })
-    } else {
-        ReductionError::Table { what, position }
     }
 }

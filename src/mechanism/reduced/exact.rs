@@ -2,7 +2,7 @@
 //!
 //! In: the reduced model, a sigma. Out: what the equation of motion reads, the reactions of all joints, from the exact
 //! evaluator. It must not know states or inputs.
-use super::model::Reduced;
+use super::Reduced;
 use super::source::{Source, SpringLoad};
 use super::state_loads::{self, StateLoads};
 use crate::mechanism::curve::{Configuration, Scratch};

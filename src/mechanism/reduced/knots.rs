@@ -3,7 +3,7 @@
 //! turns, as in a detent, which a step could pass over unseen. A step that passes a knot ends there.
 //!
 //! In: the reduced model, a sigma, a direction. Out: the next knot. It must not know states or inputs.
-use super::model::Reduced;
+use super::Reduced;
 use crate::mechanism::curve::{Configuration, Curve, Scratch};
 use crate::mechanism::loads::laws::spring::Spring;
 use crate::mechanism::loads::resolved::Loading;

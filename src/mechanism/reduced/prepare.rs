@@ -2,7 +2,7 @@
 //!
 //! In: the reduced model. Out: its tables, and those of the stretches of an open curve near the guess. It must not know
 //! states or inputs.
-use super::model::Reduced;
+use super::Reduced;
 use std::f64::consts::TAU;
 
 /// Distance from the guess up to which an open curve is prepared, in radians of the mechanism's motion: 100 turns, or

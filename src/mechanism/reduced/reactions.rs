@@ -3,7 +3,7 @@
 //! In: the reduced model. Out: reactions to each load of unit size. They are the dearest tables: an end of a run needs
 //! one panel, a motion those that it passes. A table depends on its panel alone, so that it does not count where a
 //! reaction was read before. It must not know states or inputs.
-use super::model::Reduced;
+use super::Reduced;
 use super::stored::{self, Tabulated};
 use crate::mechanism::reactions::{Columns, Reaction};
 use crate::numerics::table::{Grid, Table, Unresolved};

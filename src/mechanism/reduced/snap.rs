@@ -5,13 +5,16 @@
 use super::error::ReductionError;
 use super::resolved::{self, Resolved};
 use crate::mechanism::closure::{Closure, guessed, straight};
-use crate::mechanism::curve::{Candidate, Curve, CurveError, Near, NearMiss, Place, REPORTED, Singular, is_same};
+use crate::mechanism::curve::{
+    Candidate, Curve, CurveError, NEAR_CROSSING, Near, NearMiss, Place, REPORTED, Singular, is_same,
+};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
+use crate::numerics::table::Unresolved;
 use std::sync::Arc;
 
 /// Part of the length of a loop by which it may be shorter than stretched flat where tracing gives up on it.
-pub(super) const FLAT: f64 = 1e-5;
+const FLAT: f64 = 1e-5;
 /// Most times that the curve is traced again: each time it comes to a place that it has not met before.
 const ROUNDS: usize = 12;
 
@@ -126,4 +129,22 @@ fn search(
         }
     }
     found
+}
+
+/// Error for a function that is not smooth along the curve: branches almost cross, or nothing with mass moves.
+pub(super) fn not_smooth(curve: &Curve, what: String, at: &Unresolved) -> ReductionError {
+    let position = curve.describe(at.sigma, 0.0);
+    let crosses = curve.crossings.iter().any(|sigma| (sigma - at.sigma).abs() < curve.scale());
+    if !crosses && curve.amplification(at.sigma) > NEAR_CROSSING {
+        let (misses, near) =
+            (curve.near.misses.iter(), |miss: &NearMiss| (miss.sigma - at.sigma).abs() < curve.scale());
+        let miss = misses.filter(|miss| near(miss)).map(|miss| miss.miss).reduce(f64::min);
+        // No branches cross where a loop is stretched flat.
+        if let Some(flat) = straight(curve.drawn(), FLAT) {
+            return ReductionError::Assembly(flat);
+        }
+        ReductionError::Curve(CurveError::NearCrossing { position, at: curve.configuration(at.sigma).q, miss })
+    } else {
+        ReductionError::Table { what, position }
+    }
 }

@@ -1,9 +1,9 @@
 //! The start on the curve: sigma at which a coordinate has a stated value.
 //!
 //! In: a coordinate and its value. Out: sigma and revolutions. It must not know speeds or time.
-use super::build::not_smooth;
+use super::Reduced;
 use super::error::ReductionError;
-use super::model::Reduced;
+use super::snap::not_smooth;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::linkage::Linkage;
 use crate::mechanism::loads::laws::stop::Stop;

@@ -2,17 +2,27 @@
 //!
 //! In: a reduced model; or the sections and the same definition. Out: the sections; or curve and tables, to the bit. A
 //! section that is absent, or that is not of the definition's shape, is made anew. It must not know where files are.
-use super::build::Origin;
-use super::model::Reduced;
+use super::Reduced;
 use super::resolved::Resolved;
 use crate::codec::record::{Damaged, Record};
 use crate::codec::sections::Sections;
 use crate::codec::writer::Writer;
 use crate::mechanism::closure::Closure;
 use crate::mechanism::curve::Curve;
-use crate::mechanism::definition::Mechanism;
+use crate::mechanism::definition::{Mechanism, Solver};
 use crate::numerics::table::{Table, Unresolved};
 use std::sync::Arc;
+
+/// What a reduced model is of.
+#[derive(Clone, Copy)]
+pub(super) enum Origin<'a> {
+    /// The curve through the guess.
+    Guess(&'a Solver),
+    /// The curve through the guess, with kept tables.
+    Stored(&'a Solver, &'a Stored),
+    /// A further stretch of the curve of a reduced model, with its number.
+    Whole(&'a Reduced, i32),
+}
 
 /// Names of sections: the curve with the borders of the grid and the independent loop equations, the tables that every
 /// start needs, those of points and of bodies. Those of single displacements have names with their indices, those of

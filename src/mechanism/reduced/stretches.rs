@@ -3,10 +3,10 @@
 //! In: the reduced model on the stretch of the curve with the guess, a sigma. Out: the reduced model on the stretch
 //! that holds this sigma, made at its first use and shared from then on. Stretches depend on the definition and on
 //! nothing else, in whatever order they are made. It must not know states or inputs.
-use super::build::not_smooth;
+use super::Reduced;
 use super::error::ReductionError;
-use super::model::Reduced;
 use super::resolved::trace_stretch;
+use super::snap::not_smooth;
 use super::state_loads::StateLoads;
 use crate::mechanism::curve::{Curve, STRETCHES};
 use std::sync::OnceLock;

@@ -2,7 +2,7 @@
 //!
 //! In: the reduced model. Out: coordinates, displacements, markers, origins of bodies. It must not know states or
 //! inputs.
-use super::model::Reduced;
+use super::Reduced;
 use super::stored;
 use crate::mechanism::curve::Configuration;
 use crate::mechanism::linkage::Point;

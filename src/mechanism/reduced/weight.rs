@@ -2,7 +2,7 @@
 //!
 //! In: tables with the displacements and influences under both. Out: those under the gravity of a definition. It must
 //! not know how tables are made.
-use super::model::Tables;
+use super::Tables;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::plane::Vec2;

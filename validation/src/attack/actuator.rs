@@ -2,7 +2,8 @@
 //!
 //! In: random numbers. Out: the text of a definition, and the middle and size of the values of its inputs. Must not
 //! know what the test checks.
-use super::mechanism::{self, Definition};
+use super::mechanism;
+use super::prepared::Definition;
 use super::random::Random;
 use serde_json::{Value, json};
 
@@ -124,25 +125,4 @@ pub fn gear(random: &mut Random) -> Definition {
     }
     let h = random.decades(1e-4, 2e-2);
     Definition { file: "mechanism.json", text: json.to_string(), force: 0.2 * force, torque: 0.2 * torque, h }
-}
-
-/// Middle and size of the values of an input of a circuit or of an actuator; None if it has no such input.
-pub fn size(definition: &Definition, name: &str) -> Option<[f64; 2]> {
-    let own = definition.file == "hydraulics.json";
-    Some(match name {
-        "valve.command" => [0.0, 1.2],
-        "supply.pressure" => [1.5e7, 1.4e7],
-        "tank.pressure" => [3e5, 5e5],
-        "actuator.length" if own => [0.577, 0.2],
-        "actuator.speed" if own => [0.0, 0.3],
-        "actuator.acceleration" if own => [0.0, 10.0],
-        "actuator.reduced_mass" if own => [500.0, 500.0],
-        "actuator.reduced_mass_derivative" if own => [0.0, 3000.0],
-        "actuator.holding_force" if own => [0.0, definition.force],
-        "actuator.holding_force_derivative" if own => [0.0, 3e4],
-        "actuator.lower_limit" if own => [0.45, 0.1],
-        "actuator.upper_limit" if own => [0.7, 0.1],
-        "preview.horizon" if own => [definition.h, 0.5 * definition.h],
-        _ => return None,
-    })
 }

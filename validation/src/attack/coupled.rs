@@ -1,7 +1,7 @@
 //! Twins of a coupling: a landing gear and an actuator with random options exchange motion and force in steps; one of
 //! the two pairs is also read, saved and restored between any two calls of the exchange.
 use super::histories::{difference, outputs, written};
-use super::mechanism::{Definition, Prepared};
+use super::prepared::{Definition, Prepared};
 use super::probe::Probe;
 use super::random::Random;
 use super::{actuator, network};

@@ -1,7 +1,8 @@
 //! Malformed definitions: extreme numbers, keys dropped, duplicated or exchanged, long names, deep nesting, bytes. Each
 //! is rejected with a message, or is a model that starts and steps.
 use super::histories::outputs;
-use super::mechanism::{self, Definition, Prepared};
+use super::mechanism;
+use super::prepared::{Definition, Prepared};
 use super::probe::Probe;
 use super::random::Random;
 use super::{actuator, network};

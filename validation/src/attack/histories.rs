@@ -1,6 +1,7 @@
 //! Random histories as twins: two instances get the same inputs, derivatives, locks and steps; one of them is also
 //! read, saved, restored and serialised in between. Their outputs and states must be bit-identical.
-use super::mechanism::{Prepared, definition};
+use super::mechanism::definition;
+use super::prepared::Prepared;
 use super::probe::Probe;
 use super::random::Random;
 use super::{actuator, network};

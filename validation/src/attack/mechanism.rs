@@ -1,98 +1,14 @@
 //! Random mechanisms: a landing gear, a slider-crank, a four-bar linkage, a block on a slide, a jib, with any of the
 //! features of a definition.
 //!
-//! In: random numbers. Out: the text of a definition, and a model at its start with the inputs that a history sets.
+//! In: random numbers. Out: the text of a definition, with the sizes of its loads.
 //! Must not know what the test checks.
+use super::prepared::Definition;
 use super::random::Random;
-use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Kind, Reference};
 use serde_json::{Map, Value, json};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 const GEAR: &str = example!("LandingGearRetraction");
-
-/// A definition, and the sizes of its loads.
-#[derive(Clone, Debug)]
-pub struct Definition {
-    /// Name of the definition's file: a mechanism's or a hydraulic actuator's.
-    pub file: &'static str,
-    /// The text.
-    pub text: String,
-    /// A force [N] and a torque [N.m] that move the mechanism noticeably within `h`.
-    pub force: f64,
-    pub torque: f64,
-    /// A communication step in which the motion changes noticeably [s].
-    pub h: f64,
-}
-
-/// A model at its start, with its variables.
-#[derive(Clone, Debug)]
-pub struct Prepared {
-    pub definition: Definition,
-    pub start: Component,
-    pub inputs: Vec<Reference>,
-    pub locks: Vec<Reference>,
-    pub outputs: Vec<Reference>,
-    pub flags: Vec<Reference>,
-    /// Middle and size of each input's values.
-    pub sizes: Vec<[f64; 2]>,
-}
-
-impl Prepared {
-    /// The model of a definition, at its start.
-    pub fn new(definition: Definition) -> Result<Self, String> {
-        let mut start = Component::from_definition(definition.file, &definition.text).map_err(|e| e.to_string())?;
-        start.initialize().map_err(|e| e.to_string())?;
-        Ok(Self::of(definition, start))
-    }
-
-    /// The model of a definition, with its variables.
-    pub fn of(definition: Definition, start: Component) -> Self {
-        let list = start.interface().list();
-        let those = |causality: Causality, kind: Kind| -> Vec<Reference> {
-            let found = list.iter().zip(0..).filter(|(v, _)| v.causality == causality && v.kind == kind);
-            found.map(|(_, reference)| reference).collect()
-        };
-        let [inputs, outputs] = [Causality::Input, Causality::Output].map(|causality| those(causality, Kind::Real));
-        let [locks, flags] = [Causality::Input, Causality::Output].map(|causality| those(causality, Kind::Boolean));
-        let sizes = inputs.iter().map(|&input| definition.size(&list[input as usize].name)).collect();
-        Self { definition, inputs, locks, outputs, flags, sizes, start }
-    }
-
-    /// Whether a circuit drives the mechanism.
-    pub fn has_circuit(&self) -> bool {
-        self.start.interface().find("chamber_a.pressure").is_some()
-    }
-
-    /// The first model from these random numbers that is not rejected, and the number of rejected ones.
-    pub fn random(random: &mut Random, definition: fn(&mut Random) -> Definition) -> (Self, u64) {
-        let mut refused = 0;
-        loop {
-            match Self::new(definition(random)) {
-                Ok(prepared) => return (prepared, refused),
-                Err(_) => refused += 1,
-            }
-        }
-    }
-}
-
-impl Definition {
-    /// Middle and size of an input's values.
-    fn size(&self, name: &str) -> [f64; 2] {
-        let hydraulic = super::network::size(self, name).or_else(|| super::actuator::size(self, name));
-        if let Some(size) = hydraulic {
-            return size;
-        }
-        let size = match name {
-            "airspeed" => 60.0,
-            "load_factor" => 5.0,
-            name if name.ends_with("demanded_acceleration") => 50.0,
-            name if name.contains("torque") => self.torque,
-            _ => self.force,
-        };
-        [0.0, size]
-    }
-}
 
 /// A random definition; it may have no start, or start beyond a stop.
 pub fn definition(random: &mut Random) -> Definition {

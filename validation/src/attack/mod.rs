@@ -15,6 +15,7 @@ mod metamorphic;
 mod network;
 mod page;
 mod player;
+mod prepared;
 mod probe;
 pub mod random;
 mod relation;

@@ -3,7 +3,8 @@
 //! In: random numbers. Out: the text of a definition, and the middle and size of the values of its inputs. Must not
 //! know what the test checks.
 use super::actuator::scale;
-use super::mechanism::{self, Definition};
+use super::mechanism;
+use super::prepared::Definition;
 use super::random::Random;
 use serde_json::{Value, json};
 
@@ -110,27 +111,4 @@ pub fn driving(random: &mut Random) -> Definition {
         actuator.retain(|key, _| !matches!(key.as_str(), "length" | "lower_limit" | "upper_limit"));
     }
     whole(random, &mut json)
-}
-
-/// Middle and size of the values of an input of a network; None for other kinds of definitions.
-pub fn size(definition: &Definition, name: &str) -> Option<[f64; 2]> {
-    if definition.file != "network.json" {
-        return None;
-    }
-    let part = name.rsplit('.').next().unwrap_or_default();
-    Some(match part {
-        "pressure" => [2e6, 2e6],
-        "command" => [0.0, 1.1],
-        "open" => [0.5, 0.5],
-        "horizon" => [0.0, 0.02],
-        "length" => [0.55, 0.15],
-        "speed" if name.contains("pump") || name == "engine.speed" || name == "electric.speed" => [0.5, 0.6],
-        "speed" => [0.0, 0.2],
-        "acceleration" => [0.0, 5.0],
-        "reduced_mass" => [300.0, 300.0],
-        "reduced_mass_derivative" => [0.0, 1000.0],
-        "lower_limit" => [0.3, 0.2],
-        "upper_limit" => [0.6, 0.2],
-        _ => [0.0, definition.force],
-    })
 }

@@ -1,6 +1,6 @@
 //! Record of a running case: counts of events, duration of calls, size of errors; and a watchdog for calls that do not
 //! end.
-use super::mechanism::Prepared;
+use super::prepared::Prepared;
 use super::random::Random;
 use cpu_time::ThreadTime;
 use std::collections::BTreeMap;

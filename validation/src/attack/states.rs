@@ -1,7 +1,7 @@
 //! Corrupted states: some bytes of a state are changed, and its checksum is recomputed. The state is rejected, or the
 //! instance continues from it: each output is finite or undefined for a reason, and each call ends.
 use super::histories::{length, outputs, prepared, set, written};
-use super::mechanism::Prepared;
+use super::prepared::Prepared;
 use super::probe::Probe;
 use super::random::Random;
 use crate::host::model;

@@ -1,7 +1,8 @@
 //! Instances of one mechanism that step in parallel threads while their shared tables are built give results
 //! bit-identical to those of separate runs.
 use super::histories::{length, outputs, set, written};
-use super::mechanism::{Prepared, definition};
+use super::mechanism::definition;
+use super::prepared::Prepared;
 use super::probe::Probe;
 use super::random::Random;
 

@@ -4,9 +4,17 @@
 //! them. The module must not know file formats.
 
 use super::planar::{Body, Joint, Linkage};
-use super::spatial::Ratio;
 use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
+
+/// A coupling of two joints: coordinate of the first = ratio x coordinate of the second + offset.
+#[derive(Clone, Debug)]
+pub struct Ratio {
+    pub first: usize,
+    pub second: usize,
+    pub ratio: f64,
+    pub offset: f64,
+}
 
 /// The coordinate of a joint of the linkage: angle or position of the joint, times a sign.
 #[derive(Clone, Copy, Debug)]

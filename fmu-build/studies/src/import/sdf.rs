@@ -2,8 +2,9 @@
 //!
 //! In: XML of one model, alone or in a world. Out: bodies and joints in space.
 
+use super::couple::Ratio;
 use super::masses::{Part, in_space, symmetric};
-use super::spatial::{Acting, Drive, Hinge, Ratio, SAME, Solid, Space, Spring, add, after, turned, unit};
+use super::spatial::{Acting, Drive, Hinge, SAME, Solid, Space, Spring, add, after, turned, unit};
 use super::urdf::{Frame, of_angles};
 use super::xml::{Element, Fate, Row, rejected, unread};
 use Fate::{LeftOut, NoEffect, Read, Rejected};

@@ -3,7 +3,7 @@
 //! In: bodies and joints by positions and directions in space. Out: the planar linkage. A motion in more than one plane
 //! is rejected.
 
-use super::couple;
+use super::couple::{self, Ratio};
 use super::planar::{Body, GROUND, Joint, Linkage, identifier};
 use anyhow::{Result, bail, ensure};
 use serde_json::{Value, json};
@@ -136,15 +136,6 @@ pub struct Strut {
     pub name: String,
     pub ends: [(usize, Vector); 2],
     pub acting: Acting,
-}
-
-/// A coupling of two joints: coordinate of the first = ratio x coordinate of the second + offset.
-#[derive(Clone, Debug)]
-pub struct Ratio {
-    pub first: usize,
-    pub second: usize,
-    pub ratio: f64,
-    pub offset: f64,
 }
 
 /// A mechanism in space.

@@ -2,8 +2,9 @@
 //!
 //! In: XML. Out: bodies and joints in space. They form a tree, without loops except by `mimic`.
 
+use super::couple::Ratio;
 use super::masses::{Part, in_space, symmetric};
-use super::spatial::{Acting, Drive, Hinge, Ratio, Rotation, SAME, Solid, Space, Spring, Vector};
+use super::spatial::{Acting, Drive, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
 use super::spatial::{about, add, after, turned, unit};
 use super::xml::{Element, Fate, Row, unread};
 use Fate::{LeftOut, NoEffect, Read};

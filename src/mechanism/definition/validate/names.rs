@@ -4,7 +4,7 @@
 //! know what an entry means.
 use super::{Check, refused};
 use crate::format::{DefinitionError, Faults, Named, is_reserved};
-use crate::mechanism::definition::mechanism::Mechanism;
+use crate::mechanism::definition::Mechanism;
 use crate::numerics::order;
 use crate::variables::nearest;
 use std::fmt;

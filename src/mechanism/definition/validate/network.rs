@@ -5,8 +5,8 @@ use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::inspection::Finding;
+use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::loads::Actuator;
-use crate::mechanism::definition::mechanism::Mechanism;
 use std::sync::OnceLock;
 
 /// Checks and warnings of hydraulics. A library that never allows hydraulics does not contain their code.

@@ -2,7 +2,8 @@
 //!
 //! In: elements that name bodies, joints and sites. Out: connections, couplings, struts, springs and drives.
 
-use super::super::spatial::{Acting, Control, Drive, Hinge, Ratio, Spring, Strut, add, dot, scaled, turned};
+use super::super::couple::Ratio;
+use super::super::spatial::{Acting, Control, Drive, Hinge, Spring, Strut, add, dot, scaled, turned};
 use super::super::xml::Element;
 use super::{Frame, Mjcf};
 use anyhow::{Context, Result, bail, ensure};
