@@ -48,9 +48,11 @@ type Drives = (Option<HydraulicDrive>, Option<NetworkDrives>);
 static RESOLVE: OnceLock<fn(&Mechanism, usize) -> Result<Drives, DefinitionError>> = OnceLock::new();
 
 /// The words for hydraulics or integral parts of controllers in a library without their code.
-pub const NO_HYDRAULICS: &str = "the library of this FMU is for mechanisms without hydraulics and without integral_gain, but the definition \
-     contains a hydraulic circuit, a network or integral_gain: build the FMU again from the changed definition, with \
-     cargo fmu package";
+pub const NO_HYDRAULICS: &str = concat!(
+    "the library of this FMU is for mechanisms without hydraulics and without integral_gain, but the definition ",
+    "contains a hydraulic circuit, a network or integral_gain: build the FMU again from the changed definition, ",
+    "with cargo fmu package"
+);
 
 /// State that mechanisms may have hydraulics.
 pub fn allow_hydraulics() {

@@ -34,13 +34,9 @@ impl<'a> Outputs<'a> {
         }
         let mut have_all = true;
         for (output, value) in outputs.iter().zip(values) {
-            match evaluate(&mut self.view, self.loading, output) {
-                Ok(number) if number.is_finite() => value.write(number),
-                _ => {
-                    have_all = false;
-                    value.write(f64::NAN)
-                }
-            };
+            let found = number(evaluate(&mut self.view, self.loading, output));
+            have_all &= found.is_finite();
+            value.write(found);
         }
         have_all
     }
@@ -68,8 +64,15 @@ impl<'a> Outputs<'a> {
 fn number(value: Result<f64, OutputError>) -> f64 {
     match value {
         Ok(value) if value.is_finite() => value,
-        _ => f64::NAN,
+        Ok(_) => f64::NAN,
+        Err(error) => without_value(error),
     }
+}
+
+/// NaN for an output without a value. The reason is dropped here, so that the other outputs need no code for it.
+#[cold]
+fn without_value(_reason: OutputError) -> f64 {
+    f64::NAN
 }
 
 /// [`evaluate`] as a function of its own, for one output.
