@@ -57,7 +57,7 @@ impl StaticLibrary {
         let parts = [processor, "linux", interface].map(str::to_owned);
         let arguments = platform::standard_library(triple, "").context(shown.clone())?;
         let folder = workspace.target("static").join(triple).join(library.name);
-        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
         let mut cargo = command::cargo(workspace);
         cargo.args(["rustc", "--release", "--package", library.package, "--lib", "--crate-type", "staticlib"]);
         cargo.arg("--message-format=json-render-diagnostics").args(arguments);

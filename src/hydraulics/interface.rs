@@ -25,14 +25,15 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator at the start of a step; within the step, the integral of actuator.speed is added",
+        "Length of the actuator at the start of a step; length within the step: this length plus the integral of \
+            actuator.speed",
         Unit::Metre,
     ),
     ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; 0: not \
-         connected, and the FMU calculates the acceleration from force, load and reduced mass",
+        "Acceleration of the actuator, positive when extending, for time derivatives of outputs; 0: not connected, \
+            the FMU calculates the acceleration from force, load and reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1; a positive command extends the actuator", Unit::One),
@@ -58,7 +59,11 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
         "Derivative of actuator.holding_force with respect to actuator.length; 0: derivative not known",
         Unit::NewtonPerMetre,
     ),
-    ("preview.horizon", "Size of the next communication step; 0: size estimated from the last steps", Unit::Second),
+    (
+        "preview.horizon",
+        "Size of the next communication step; 0: the FMU assumes the size of the last steps",
+        Unit::Second,
+    ),
     (
         "actuator.lower_limit",
         "Smallest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
@@ -122,15 +127,15 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "preview.force",
-        "Predicted actuator force at the start of the next step; the force over the step is approximated by a straight \
-         line in time, whose slope is preview.force_rate",
+        "Predicted actuator force at the start of the next step; the predicted force changes linearly over the step, \
+            at the rate preview.force_rate",
         Unit::Newton,
         Output::PreviewForce,
         FORESEEN,
     ),
     (
         "preview.force_rate",
-        "Slope of the straight line in time that approximates the predicted actuator force over the next step",
+        "Rate of change of the predicted actuator force over the next step",
         Unit::NewtonPerSecond,
         Output::PreviewForceRate,
         FORESEEN,
@@ -205,7 +210,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "valve.position",
-        "Position of the valve spool; 1: full opening to extend; -1: full opening to retract",
+        "Position of the valve spool; 1: fully open for extension; -1: fully open for retraction",
         Unit::One,
         Output::SpoolPosition,
         &[],
@@ -236,8 +241,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "cylinder.end_force",
-        "Force on the piston from the end of the cylinder at which the piston is at rest, positive in the direction of \
-         extension",
+        "Force of an end of the cylinder on the piston, positive in the direction of extension",
         Unit::Newton,
         Output::EndForce,
         &[Length, Speed, Mass, Load, LowerLimit, UpperLimit],
@@ -292,7 +296,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.balance",
-        "Supplied energy minus all other energies of the circuit: 0 except for rounding",
+        "Supplied energy minus all other energies of the circuit: 0 except for rounding errors",
         Unit::Joule,
         Output::Balance,
         &[],

@@ -20,7 +20,7 @@ const PLAUSIBLE: [(&str, f64, f64, &str, &str); 14] = [
     ("chamber_b.dead_volume", 1e-9, 0.1, "m3", "volumes are in m3: 1 cm3 = 1e-6 m3"),
     ("valve.rated_flow", 1e-8, 0.2, "m3/s", "flows are in m3/s: 1 l/min = 1.667e-5 m3/s"),
     ("valve.rated_pressure_drop", 1e4, 1e9, "Pa", "pressures are in Pa: 1 bar = 1e5 Pa"),
-    ("valve.overlap", -1.0, 1.0, "1", "the spool moves from -1 to 1: write a part of this way"),
+    ("valve.overlap", -1.0, 1.0, "1", "spool positions are from -1 to 1: write a small fraction of 1"),
     ("valve.frequency", 0.5, 1e4, "Hz", "write the frequency in Hz"),
 ];
 

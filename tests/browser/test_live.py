@@ -149,7 +149,7 @@ def test_text_is_edited_checked_and_saved(serve: Serve) -> None:
     edit(shown, "0.217", "0.02")
     settled(shown)
     assert page.locator("body.stale").count() == 1
-    assert "open by" in (page.locator("[data-gap] text").first.text_content() or "")
+    assert "apart" in (page.locator("[data-gap] text").first.text_content() or "")
     assert page.locator("path.wrong").count() > 0
     page.get_by_role("button", name="Undo").click()
     settled(shown)

@@ -92,7 +92,7 @@ fn locks_are_logged() {
     host.set_boolean("uplock.engage", true);
     assert_eq!(host.step(0.0, 0.2), Status::Ok);
     let said = texts(&host);
-    assert!(said.len() == 2 && said[1].ends_with("a lock catches the mechanism at the stop upstop"), "{said:?}");
+    assert!(said.len() == 2 && said[1].ends_with("a lock holds the mechanism at the stop upstop"), "{said:?}");
     host.set_boolean("uplock.engage", false);
     assert_eq!(host.set("actuator.force", -3e4), Status::Ok);
     assert_eq!(host.step(0.2, 0.01), Status::Ok);

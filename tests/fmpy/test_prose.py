@@ -70,13 +70,15 @@ def prose(text: str) -> str:
 
 
 def sentences(text: str) -> list[str]:
-    """The sentences of paragraphs and lists; headings and tables have none. One may start with a symbol: u1 is ..."""
-    lines = [line for line in prose(text).splitlines() if not line.lstrip().startswith(("#", "|"))]
-    blocks = re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", "\n".join(lines))
+    """The sentences of paragraphs, lists and cells of tables. One may start with a symbol: u1 is ..."""
+    lines = [line for line in prose(text).splitlines() if not line.lstrip().startswith("#")]
+    cells = [cell for line in lines if line.lstrip().startswith("|") for cell in re.split(r"(?<!\\)\|", line)]
+    lines = [line for line in lines if not line.lstrip().startswith("|")]
+    blocks = re.split(r"\n\s*\n|\n(?=\s*(?:[-*]|\d+\.) )", "\n".join(lines)) + cells
     found = []
     for block in blocks:
         flat = re.sub(r"^\s*(?:[-*]|\d+\.) ", "", " ".join(block.split()))
-        found += re.split(r"(?<=[.?!:])[\s\"*)]+(?=[A-Z\"*(\d]|code|[a-z]\d? is |$)", flat)
+        found += re.split(r"(?<=[.?!:])[\s\"*)]+(?=[A-Z\"*(\d]|code|linkage-fmu|[a-z]\d? is |$)", flat)
     return [sentence for sentence in found if re.search(r"\w+ \w+", sentence)]
 
 

@@ -30,19 +30,19 @@ pub enum Task {
     /// Pack mechanisms as FMUs: target/fmu/<Name>.fmu and <Name>.fmi3.fmu
     #[command(after_help = examples::PACKAGE)]
     Package(Package),
-    /// Check a mechanism: errors, warnings, masses, travel, drives, equilibria
+    /// Check a mechanism: print errors, warnings, masses, range of motion, drives, equilibria
     #[command(after_help = examples::CHECK)]
     Check(Check),
     /// List the interface of an FMU or a mechanism: variables, default experiment, platforms
     #[command(after_help = examples::INFO)]
     Info(Info),
-    /// Check that an FMU is complete: archive, modelDescription.xml, libraries, definition
+    /// Check that an FMU is complete and follows the FMI standard
     #[command(after_help = examples::VALIDATE)]
     Validate(Validate),
     /// Write a web page that shows the moving mechanism
     #[command(after_help = examples::VIEW)]
     View(View),
-    /// Run a mechanism or an FMU without another simulation tool, and write CSV, Parquet, a plot or a film
+    /// Simulate a mechanism or an FMU without another simulation tool, and write CSV, Parquet, a plot or a film
     #[command(after_help = examples::SIMULATE)]
     Simulate(Simulate),
     /// Convert a file of another program to a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
@@ -57,16 +57,17 @@ pub enum Task {
     /// Search for the best design of a mechanism: minimise or maximise a response within limits
     #[command(after_help = examples::OPTIMISE)]
     Optimise(Optimise),
-    /// Run the retraction of the landing gear with FMPy, and write results, table and plot
+    /// Simulate the retraction of the example landing gear with FMPy, and write results, table and plot
     #[command(after_help = examples::DEMO)]
     Demo(Demo),
     /// Build the documentation as a website that works without a network: target/docs
     #[command(after_help = examples::DOCS)]
     Docs(Docs),
-    /// Write the definition of a chain of N four-bar linkages, which is a benchmark of multibody programs
+    /// Write the definition of a chain of N four-bar linkages, a benchmark for multibody programs
     #[command(after_help = examples::CHAIN)]
     Chain(Chain),
-    /// Recompute the figures of the source papers with FMPy: validation/report.md, report.html and figures
+    /// Compute the figures of the papers on which the models are based, with FMPy: validation/report.md, report.html
+    /// and figures
     #[command(after_help = examples::REPORT)]
     Report(Report),
     /// Build a Python wheel of this program, for machines without Rust
@@ -86,10 +87,10 @@ pub struct Check {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Print errors, warnings and facts as a JSON list with one object per path
+    /// Print errors, warnings and facts as a JSON list with one object for each path
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 1 if there is an error or a warning. Without this option, only errors give the code 1
+    /// Exit with code 1 if there is an error or a warning [default: code 1 only for errors]
     #[arg(long)]
     pub deny_warnings: bool,
 }
@@ -100,7 +101,7 @@ pub struct Info {
     /// FMU, definition file (mechanism.json), or folder that contains a definition file
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Print the list as JSON
+    /// Print the interface as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -119,14 +120,14 @@ pub struct View {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "MECHANISM")]
     pub path: PathBuf,
-    /// File for the page, or folder in which <Name>.html is written [default: target/view in the repository]
+    /// File for the page, or folder for the page <Name>.html [default: target/view in the repository]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
-    /// Edit the definition in the page, and see the motion of each change: serves the page on this machine until
-    /// Ctrl-C, and watches the file
+    /// Open an editor for the definition next to the moving mechanism. The page shows the motion after each change,
+    /// until /// you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Port of the live page on 127.0.0.1 [default: a free port]
@@ -142,12 +143,11 @@ pub struct View {
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU, whose run is compared with the first: dashed outlines in the drawing, dashed lines in
-    /// the plots
+    /// Second definition or FMU for comparison: dashed outlines in the drawing, dashed lines in the plots
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
-    /// Start values of the second run, set after those of --start-values; without --compare the second run is of the
-    /// same definition
+    /// Start values of the second run, which replace values of --start-values. Without --compare, the second run uses
+    /// the first definition
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub compare_set: Vec<String>,
 }
@@ -164,8 +164,8 @@ pub struct Simulate {
     /// End time of the run [s] [default: stop_time of the definition]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
     pub stop_time: Option<f64>,
-    /// Time between two rows of the output [s], which is also the communication step [default: step_size of the
-    /// definition, doubled until there are at most 1000 rows]
+    /// Time between two rows of the output, and communication step [s] [default: step_size of the definition, doubled
+    /// until there are at most 1000 rows]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
     /// Relative tolerance of the integration [1] [default: solver.tolerance of the definition]
@@ -176,16 +176,16 @@ pub struct Simulate {
     #[arg(long, value_name = "SSV")]
     pub parameters: Option<PathBuf>,
     /// Start values of inputs and parameters: pairs of a name and a value, or name=value. A number without a unit is in
-    /// SI units; a number can have the unit of the variable, its display unit (45deg) or a common unit (30kN) [default:
-    /// values of the definition]
+    /// SI units. Other units are the display unit of the variable (45deg) and common units (30kN) [default: values of
+    /// the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// CSV file with inputs over time; the first column is `time` [s]. Numbers are interpolated between two rows.
-    /// Booleans keep their value until the next row. Two rows with the same time define a jump
+    /// CSV file with inputs over time. The first column is `time` [s]. Numbers change linearly between two rows.
+    /// Booleans keep their value until the next row. Two rows with equal times define a jump
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
-    /// Set the time derivatives of the inputs too, so that the inputs also change within a communication step. A
-    /// communication step then ends at each time of the input file
+    /// Also set the time derivatives of the inputs: the inputs then change within a communication step, and a
+    /// communication step ends at each time of the input file
     #[arg(long, requires = "input_file")]
     pub set_input_derivatives: bool,
     /// Variables to record [default: all outputs]
@@ -197,7 +197,7 @@ pub struct Simulate {
     /// Plot of the recorded variables: .png, .svg or .pdf file. Needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Variable along the horizontal axis of the plot; it is recorded too [default: time]
+    /// Variable on the horizontal axis of the plot, which is also recorded [default: time]
     #[arg(long, value_name = "VARIABLE", requires = "plot")]
     pub x: Option<String>,
     /// Film of the moving mechanism: .gif file
@@ -281,8 +281,8 @@ pub struct Linearise {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. This coordinate and its
-    /// rate are the first two states [default: the coordinate in the key start of the definition]
+    /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. The coordinate and its
+    /// time derivative are the first two states [default: the coordinate in the key start of the definition]
     #[arg(long, value_name = "NAME")]
     pub coordinate: Option<String>,
     /// Inputs of the matrices B and D [default: all inputs on which the acceleration depends]
@@ -292,7 +292,7 @@ pub struct Linearise {
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub outputs: Vec<String>,
     /// Force [N] or torque [N.m] of the drive that holds the mechanism at each position, such as servo.torque [default:
-    /// no drive; the mechanism is then at rest only where its loads are in equilibrium]
+    /// no drive holds the mechanism, which is then in equilibrium only at some positions]
     #[arg(long, value_name = "NAME")]
     pub held_by: Option<String>,
     /// Number of equal parts into which the travel is divided [1]
@@ -329,13 +329,13 @@ pub struct Sweep {
     /// Continue a study that was stopped before its last run
     #[arg(long)]
     pub resume: bool,
-    /// Number of threads [default: one per core]
+    /// Number of threads [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Number of processes on this machine in which Dask makes the runs with the packed FMU
+    /// Number of Dask worker processes on this machine, which simulate the runs with the FMU
     #[arg(long, value_name = "N", conflicts_with = "threads", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
-    /// Address of a Dask scheduler whose workers make the runs with the packed FMU, such as tcp://10.0.0.1:8786
+    /// Address of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers simulate the runs with the FMU
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["threads", "workers"])]
     pub scheduler: Option<String>,
 }
@@ -356,7 +356,7 @@ pub struct Optimise {
     /// Draw the evaluations: page.html for the browser, and pictures as PNG
     #[arg(long)]
     pub page: bool,
-    /// Number of threads [default: one per core]
+    /// Number of threads [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }
@@ -364,7 +364,7 @@ pub struct Optimise {
 /// Arguments of `demo`.
 #[derive(Args)]
 pub struct Demo {
-    /// Retract the landing gear with the hydraulic actuator: compare two FMUs, coupled by several schemes, with one FMU
+    /// Retract the landing gear with the hydraulic actuator: compare two FMUs, coupled in several ways, with one FMU
     /// that contains both models
     #[arg(long)]
     pub hydraulic: bool,

@@ -48,7 +48,7 @@ impl Installed {
         }
         let [here, empty, home] = ["my mechanisms", "empty", "home"].map(|name| folder.join(name));
         for made in [&here, &empty, &home] {
-            fs::create_dir_all(made).with_context(|| format!("{}: cannot be made", made.display()))?;
+            fs::create_dir_all(made).with_context(|| format!("{}: cannot be created", made.display()))?;
         }
         let environment = folder.join("environment");
         let tools = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;

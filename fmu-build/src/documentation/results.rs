@@ -55,7 +55,7 @@ impl Results {
             );
         }
         let folder = workspace.target("reference");
-        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be made", folder.display()))?;
+        fs::create_dir_all(&folder).with_context(|| format!("{}: cannot be created", folder.display()))?;
         let path = folder.join(format!("{}-{}.csv", component.name(), process::id()));
         let mut after = component.clone();
         let ran = run::default_run(&mut after, &path, MOST_ROWS);

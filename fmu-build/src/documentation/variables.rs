@@ -69,9 +69,8 @@ pub fn tables(interface: &Interface, units: &FileUnits) -> Vec<Table> {
         (
             "locals",
             "Local variables",
-            "These variables are for animations. They give the position and rotation of each body: the coordinates of \
-             the origin of the body in the mechanism frame, and the rotation matrix. The FMU computes these variables \
-             only when a simulation tool reads them.",
+            "These variables state the position and rotation of each body, for animations: the coordinates of the \
+                origin of the body in the mechanism frame, and the rotation matrix.",
             Causality::Local,
         ),
     ];

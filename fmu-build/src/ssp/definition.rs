@@ -11,36 +11,37 @@ use linkage_fmu::variables::Unit;
 pub const FILE: &str = "system.json";
 
 keys! {
-    /// A system of FMUs that exchange forces, motions and signals. The program packs the system as an SSP package: one
-    /// file with all FMUs, their connections and values. Paths are relative to the folder of the system file.
+    /// The file system.json defines a system of FMUs that exchange forces, motions and signals. The program packs the
+    /// system as an SSP package: one file with all FMUs, their connections and values. Paths are relative to the folder
+    /// of the system file.
     pub struct Definition {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The program ignores this
-        /// key.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The program does
+        /// not use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the system, and of the file `<name>.ssp`. The first character is a letter or an underscore; the
-        /// others are letters, digits or underscores.
+        /// Name of the system, and of the file `<name>.ssp`. The name consists of letters, digits and underscores, and
+        /// must not start with a digit.
         name: String => element().required();
         /// Description of the system, one line of text.
         description: String => line();
-        /// Stop time of the default experiment of the system [s], > 0. Without this key, the stop time is the longest
-        /// stop time of the FMUs.
+        /// Stop time of the default experiment of the system [s], > 0. Default: the longest stop time of the FMUs.
         stop_time: Option<f64> => number(Unit::Second, Range::Positive);
-        /// FMUs of the system. The name of an FMU in the system starts with a letter or an underscore, followed by
-        /// letters, digits or underscores.
+        /// FMUs of the system by name. The name of an FMU consists of letters, digits and underscores, and must not
+        /// start with a digit.
         fmus: Named<Fmu> => Key::PLAIN.required();
         /// Pairs of drives and actuators, such as `["gear.actuator", "hydraulics.actuator"]`. A pair connects all
-        /// variables that both terminals have in common, in both directions. A terminal has the name of the drive, or
-        /// of the cylinder.
+        /// variables that exist in both terminals, in both directions. A terminal has the name of its drive or
+        /// cylinder.
         terminals: Vec<Vec<String>>;
-        /// Pairs of an output and an input, such as `["hydraulics.uplock.engaged", "gear.uplock.engage"]`. The text
+        /// Pairs of an output and an input, such as `["hydraulics.uplock.engaged", "gear.uplock.engage"]`. The word
         /// before the first dot is the name of the FMU.
         connections: Vec<Vec<String>>;
-        /// Further variables that simulation tools show as connectors, such as `gear.crank.angle`. Variables with a
+        /// Additional variables that simulation tools show as connectors, such as `gear.crank.angle`. Variables with a
         /// connection or a value are always connectors.
         connectors: Vec<String>;
     }
 
-    /// An FMU of a system. A text in place of the object is the value of the key `definition`.
+    /// The object `fmu` describes one FMU of a system. A text in place of the object is the value of the key
+    /// `definition`.
     pub struct Fmu or (linkage_fmu::format::Short::First) {
         /// Path of the definition file of a mechanism, an actuator or a network, or of a folder that contains a
         /// definition file.
@@ -49,8 +50,8 @@ keys! {
         /// value from its unit in the file to the unit of the variable.
         parameters: Option<String>;
         /// Values of parameters and inputs, by the name of the variable. A number is in the SI unit of the variable. A
-        /// text can state a number with its unit, such as `"30 kN"`. A value in `values` replaces a value of
-        /// `parameters`.
+        /// text can be a number with a unit, such as `"30 kN"`. A value in `values` replaces a value of the same
+        /// variable in `parameters`.
         values: Named<Setting> => line();
     }
 }

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyList, PySlice};
 
-/// Names of variables that `Simulation.prepare` has looked up once. The prepared names can be used in all simulations
-/// of one mechanism.
+/// Names of variables that `Simulation.prepare` has looked up. A `Names` object can be used in all simulations of one
+/// mechanism.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct Names {
     /// Names in the given order.

@@ -34,7 +34,8 @@ impl Run {
         match self.is_initialized {
             true => Ok(()),
             false => Err(SimulationError::new_err(
-                "the simulation is not initialised, or a parameter was set since; call initialize() before a step",
+                "the simulation is not initialised, or a parameter was set after the initialisation; call \
+                    initialize() before a step",
             )),
         }
     }

@@ -13,11 +13,12 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyString};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Simulation of a mechanism, step by step. The method `Mechanism.simulation` returns a new simulation.
+/// Step-by-step simulation of a mechanism. The method `Mechanism.simulation` returns a new simulation.
 #[pyclass(frozen, weakref, module = "linkage_fmu")]
 pub struct Simulation(Mutex<Option<Run>>);
 
-/// Saved state, from which a simulation can continue. The method `Simulation.save` returns a saved state.
+/// Saved state of a simulation. The method `Simulation.save` returns a saved state, and `Simulation.restore` continues
+/// from a saved state.
 #[pyclass(frozen, module = "linkage_fmu")]
 pub struct State {
     snapshot: Mutex<Snapshot>,
@@ -32,7 +33,7 @@ impl Held<'_> {
     #[inline]
     fn run(&mut self) -> PyResult<&mut Run> {
         self.0.as_mut().ok_or_else(|| {
-            SimulationError::new_err("this simulation is closed; make a new one with Mechanism.simulation")
+            SimulationError::new_err("this simulation is closed; create a new simulation with Mechanism.simulation")
         })
     }
 }
@@ -51,8 +52,8 @@ impl Simulation {
                 "another thread uses this simulation; wait until its run ends, or give each thread a copy()",
             )),
             Err(TryLockError::Poisoned(_)) => Err(SimulationError::new_err(
-                "a fault of the engine has left this simulation in an unknown state; make a new one with \
-                 Mechanism.simulation",
+                "an internal error has left this simulation in an unknown state; create a new simulation with \
+                    Mechanism.simulation",
             )),
         }
     }
@@ -72,7 +73,8 @@ impl Simulation {
         self.with(|run| Ok(run.time))
     }
 
-    /// Look up names of variables once, so that later calls of `get` and `set` are faster.
+    /// Look up the names of variables. With the returned `Names` object, calls of `get` and `set` are faster than with
+    /// names.
     ///
     /// The method `prepare` raises InputError if a name is not the name of a variable, or if a name occurs twice. The
     /// text of the exception lists the most similar names.
@@ -82,8 +84,8 @@ impl Simulation {
 
     /// Return the present values of variables in SI units. For one name, `get` returns a number, a truth value or a
     /// text. For several names, `get` returns an array of numbers, in which a Boolean is 1 or 0. If `out` is an array,
-    /// the values are written into `out` instead of a new array. If an output has no value in the present state, its
-    /// value is NaN, and `undefined` returns the reason.
+    /// `get` writes the values into `out` instead of a new array. If an output has no value in the present state, `get`
+    /// returns NaN, and the method `undefined` returns the reason.
     ///
     /// The method `get` raises InputError if a name is not the name of a variable. The method `get` raises
     /// SimulationError if the mechanism cannot start with the present parameters.
@@ -108,9 +110,8 @@ impl Simulation {
 
     /// Set inputs and parameters. The arguments `names` and `values` are one name and its value, or several names and
     /// an array or list of their values. Each value is a number in SI units, a truth value, an enumeration item, or a
-    /// text such as "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter has an
-    /// effect from the present time. A new value of any other parameter ends the simulation: call `initialize` before
-    /// the next step.
+    /// text such as "45 deg" or "true". During a simulation, a new value of an input or of a tunable parameter applies
+    /// from the present time. After a new value of any other parameter, call `initialize` before the next step.
     ///
     /// The method `set` raises InputError if a name is not the name of a variable, if a name occurs twice, or if a
     /// variable is an output. The method `set` raises InputError if a value is out of range, not finite, or of a wrong
@@ -146,7 +147,7 @@ impl Simulation {
         })
     }
 
-    /// Set the mechanism to its start position at the time 0 s, with the present parameters and inputs.
+    /// Move the mechanism to its start position at the time 0 s, with the present parameters and inputs.
     ///
     /// The method `initialize` raises SimulationError if the present parameters are not valid, or if the start
     /// position cannot be reached.
@@ -168,8 +169,13 @@ impl Simulation {
         })
     }
 
-    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. While `step` runs, no other Python
-    /// thread runs, because `step` holds the interpreter lock.
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let name = text("name", name)?;
+        self.with(|run| Ok(find(run.model.interface(), &name).is_ok()))
+    }
+
+    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. During the call of `step`, no other
+    /// Python thread runs, because `step` holds the interpreter lock.
     ///
     /// The method `step` raises InputError if `h` is out of range. The method `step` raises SimulationError if the
     /// simulation is not initialised or cannot continue.
@@ -178,11 +184,11 @@ impl Simulation {
         self.with(|run| run.step(h))
     }
 
-    /// Advance the simulation to the time `time` [s], with the present inputs. While `run_until` runs, other Python
-    /// threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, the simulation ends
-    /// at the first event, such as the impact on a stop, after the event has been handled. The method `run_until`
-    /// returns a list with one line of text for each event at which the simulation has ended. If the simulation has
-    /// reached `time` without an event, the list is empty.
+    /// Advance the simulation to the time `time` [s], with the present inputs. During the call of `run_until`, other
+    /// Python threads can run, because `run_until` releases the interpreter lock. If `at_event` is true, `run_until`
+    /// stops just after the first event, such as the impact on a stop. The method `run_until` returns a list with one
+    /// line of text for each event at the end of the call. If the simulation has reached `time` without an event, the
+    /// list is empty.
     ///
     /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
     ///
@@ -231,9 +237,10 @@ impl Simulation {
         })
     }
 
-    /// Return the directional derivatives of outputs. For each output, `directional_derivative` returns the sum of the
-    /// partial derivatives of the output with respect to the inputs, each multiplied by the seed of the input. Before
-    /// `initialize`, `inputs` can also contain parameters, and the derivatives refer to the outputs at the start.
+    /// Return the directional derivatives of outputs. The directional derivative of an output is the sum over all
+    /// `inputs` of the partial derivative with respect to the input, multiplied by the seed of the input. Before the
+    /// call of `initialize`, `inputs` can also contain parameters. The derivatives before the call of `initialize` are
+    /// derivatives of the outputs at the start position.
     ///
     /// The method `directional_derivative` raises InputError if a name is not the name of an output or input, or if
     /// the numbers of seeds and inputs differ.
@@ -257,7 +264,7 @@ impl Simulation {
         array(py, &found)
     }
 
-    /// Save the present state, from which the simulation can continue later.
+    /// Save the present state of the simulation. The method `restore` continues the simulation from a saved state.
     fn save(&self) -> PyResult<State> {
         self.with(|run| {
             let snapshot = Mutex::new(run.model.snapshot());
@@ -265,7 +272,7 @@ impl Simulation {
         })
     }
 
-    /// Continue the simulation from a saved state. The saved state can also come from another simulation of the same
+    /// Return the simulation to a saved state. The saved state can also come from another simulation of the same
     /// mechanism.
     ///
     /// The method `restore` raises InputError if the saved state belongs to another mechanism.
@@ -293,7 +300,7 @@ impl Simulation {
         let bytes = bytes.as_bytes();
         self.with(|run| {
             let no_state =
-                || input("these bytes are not a saved state of this mechanism; give those of State.to_bytes");
+                || input("these bytes are not a saved state of this mechanism; give the bytes of State.to_bytes");
             let (head, snapshot) = bytes.split_at_checked(24).ok_or_else(no_state)?;
             let word = |at: usize| u64::from_le_bytes(head[8 * at..8 * at + 8].try_into().unwrap_or_default());
             let time = f64::from_bits(word(0));
@@ -306,8 +313,7 @@ impl Simulation {
         })
     }
 
-    /// Return an independent copy of the simulation in its present state, for example for another thread or another
-    /// variant.
+    /// Return an independent copy of the simulation in its present state.
     fn copy(&self) -> PyResult<Self> {
         self.with(|run| Ok(Self(Mutex::new(Some(run.clone())))))
     }
@@ -357,8 +363,8 @@ impl State {
         self.time
     }
 
-    /// Return the saved state as bytes. The method `Simulation.state_from_bytes` makes a saved state from these bytes,
-    /// also in another process.
+    /// Return the saved state as bytes. The method `Simulation.state_from_bytes` converts the bytes back to a saved
+    /// state, also in another process.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
         guarded(|| {
             let mut snapshot = self.snapshot.lock().map_err(refused)?;

@@ -37,12 +37,12 @@ pub fn settling_reach([length, speed]: [f64; 2], end: f64, settling: f64) -> f64
 
 /// Events of a circuit, by their index.
 pub const EVENTS: [&str; 11] = [
-    "the spool is at the edge at valve.overlap",
-    "the spool is at the edge at -valve.overlap",
-    "the spool is at its end, 1",
-    "the spool is at its end, -1",
-    "the piston is at the border of cushion_a",
-    "the piston is at the border of cushion_b",
+    "the spool is at the metering edge at valve.overlap",
+    "the spool is at the metering edge at -valve.overlap",
+    "the spool is at the end of its travel, 1",
+    "the spool is at the end of its travel, -1",
+    "the piston enters or leaves cushion_a",
+    "the piston enters or leaves cushion_b",
     "chamber_a.pressure passes relief.pressure",
     "chamber_b.pressure passes relief.pressure",
     "supply.pressure passes pump.full_pressure",

@@ -11,7 +11,7 @@ use crate::numerics::decimal::Decimal;
 use crate::variables::Unit;
 
 keys! {
-    /// A hydraulic circuit consists of supply, tank, valve, cylinder and oil.
+    /// A hydraulic circuit consists of a supply, a tank, a servo valve, a cylinder and oil.
     pub struct Circuit {
         /// Supply. The input `supply.pressure` is the pressure of the supply.
         supply: Supply;
@@ -59,15 +59,15 @@ keys! {
 
     /// Hydraulic supply.
     pub struct Supply: Copy {
-        /// Start value of the input `supply.pressure`, the pressure of the hydraulic supply [Pa]. The absolute
-        /// pressure, which is the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Start value of the input `supply.pressure`, the pressure of the hydraulic supply [Pa]. The sum of this gauge
+        /// pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
     }
 
     /// Hydraulic tank (return).
     pub struct Tank: Copy {
         /// Start value of the input `tank.pressure`, the pressure in the tank to which the valve returns oil [Pa]. The
-        /// absolute pressure, which is the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// sum of this gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }

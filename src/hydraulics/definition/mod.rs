@@ -64,16 +64,16 @@ keys! {
         speed: f64 => number(Unit::MetrePerSecond, Range::Finite);
     }
 
-    /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
+    /// Settings of the coupling between the actuator FMU and the mechanism FMU.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// actuator within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs
         /// `actuator.length` and `actuator.speed` prescribe the motion. `delayed`: the FMU predicts the motion, for a
-        /// simulation program that passes every value one step late.
+        /// simulation tool that passes every value one step late.
         mode: Mode => Key::PLAIN.parameter(Role::Circuit, "");
     }
 
-    /// The object `solver` contains the settings of the time integration.
+    /// Settings of the time integration.
     pub struct Solver: Copy {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
@@ -83,26 +83,26 @@ keys! {
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }
 
-    /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. Numbers are in SI
-    /// units. Pressures are relative to the ambient pressure.
+    /// The file hydraulics.json defines a differential cylinder with servo valve, oil and lines. All numbers in the
+    /// file are in SI units. Pressures are relative to the ambient pressure.
     pub struct HydraulicActuator {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
-        /// underscores.
+        /// Name of the FMU. The name consists of letters, digits and underscores, and must not start with a digit.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, for the model description of the FMU.
+        /// Author, copyright and licence of the model. The program writes these texts into the model description of the
+        /// FMU.
         about: About => Key::PLAIN.brief();
         /// Hydraulic circuit: supply, valve, cylinder and oil.
         circuit: Circuit;
         /// Start values of the inputs `actuator.length` and `actuator.speed`.
         actuator: Actuator;
-        /// The object `coupling` contains the settings of the coupling with the mechanism that the actuator drives.
+        /// Settings of the coupling between the actuator FMU and the mechanism FMU.
         coupling: Coupling;
-        /// The object `solver` contains the settings of the time integration.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

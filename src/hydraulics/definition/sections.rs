@@ -22,8 +22,8 @@ keys! {
             all other pressures are relative");
         /// Bulk modulus of the oil without air [Pa], > 0.
         bulk_modulus: f64 = 1.4e9 => number(Pascal, Positive).parameter(Circuit, "Bulk modulus of the oil without air");
-        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. With the value
-        /// 0, the oil contains no air.
+        /// Volume of the entrained air at ambient pressure, divided by the volume of the oil [1], >= 0. The value 0
+        /// means: no air in the oil.
         air_fraction: f64 = 0.005 => number(One, NonNegative).parameter(Circuit, "Volume of the entrained air at \
             ambient pressure, divided by the volume of the oil");
         /// Polytropic exponent n of the entrained air [1], > 0.
@@ -48,7 +48,8 @@ keys! {
             pressure divided by the relative growth of the cylinder volume; 0: rigid walls");
         /// Restitution at the rigid ends of the travel: speed of the piston after an impact on an end, divided by the
         /// speed before the impact [1], from 0 to 1.
-        restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Restitution at the rigid ends of the travel");
+        restitution: f64 = 0.0 => number(One, Unit).parameter(Circuit, "Coefficient of restitution at the rigid ends \
+            of the travel");
         /// Oil volume from which the FMU calculates the elasticity of the oil in a chamber. `changes`: the present
         /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
         /// `dead_volume`.
@@ -60,8 +61,8 @@ keys! {
         /// Oil volume of chamber A when the cylinder is fully retracted, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A when the \
             cylinder is fully retracted, including the oil in the lines");
-        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure in chamber A at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
+        /// absolute pressure) must be above 0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber A at the \
             start, relative to the ambient pressure");
     }
@@ -71,8 +72,8 @@ keys! {
         /// Oil volume of chamber B when the cylinder is fully extended, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B when the \
             cylinder is fully extended, including the oil in the lines");
-        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure in chamber B at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
+        /// absolute pressure) must be above 0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber B at the \
             start, relative to the ambient pressure");
     }
@@ -85,20 +86,20 @@ keys! {
         /// Rated pressure drop: the pressure drop to which all keys `rated_flow` of the circuit refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which all \
             rated flows refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the \
             flow changes from laminar to turbulent");
-        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
-        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. Because of the clearance,
-        /// a metering edge opens smoothly. At the spool position `valve.overlap`, a metering edge is open by half of
-        /// the clearance.
+        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. The clearance smooths the
+        /// opening of a metering edge. At the spool position `valve.overlap`, a metering edge is open by half of the
+        /// clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool, relative to the \
             full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
-        /// -1 to 1. A negative overlap is an underlap.
+        /// Overlap of the valve [1]: spool position, from -1 to 1, at which a metering edge starts to open. A negative
+        /// overlap is an underlap.
         overlap: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge \
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0.
@@ -110,7 +111,7 @@ keys! {
     /// Restrictor in the line of chamber A, for flow out of the chamber.
     pub struct RestrictorA: Copy {
         /// Flow out of chamber A through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
-        /// value 0 means that there is no restrictor.
+        /// value 0 means: no restrictor.
         rated_flow: f64 = 5e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber A \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
@@ -118,7 +119,7 @@ keys! {
     /// Restrictor in the line of chamber B, for flow out of the chamber.
     pub struct RestrictorB: Copy {
         /// Flow out of chamber B through the restrictor, at the rated pressure drop of the valve [m3/s], >= 0. The
-        /// value 0 means that there is no restrictor.
+        /// value 0 means: no restrictor.
         rated_flow: f64 = 0.0 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber B \
             through its restrictor at the rated pressure drop; 0: no restrictor");
     }
@@ -134,25 +135,25 @@ keys! {
     /// Cushion of chamber A, at the retracted end of the travel.
     pub struct CushionA: Copy {
         /// Length of the last part of the travel, before the retracted end, in which the cushion throttles the flow out
-        /// of chamber A [m], >= 0. The value 0 means that there is no cushion.
+        /// of chamber A [m], >= 0. The value 0 means: no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber A; 0: no cushion");
         /// Flow out of chamber A through the cushion at the retracted end of the travel, at the rated pressure drop of
-        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
-            lets out of chamber A at the end of the travel, at the rated pressure drop; 0: no cushion");
+        /// the valve [m3/s], >= 0. The value 0 means: no cushion.
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber \
+            A through the cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Cushion of chamber B, at the extended end of the travel.
     pub struct CushionB: Copy {
         /// Length of the last part of the travel, before the extended end, in which the cushion throttles the flow out
-        /// of chamber B [m], >= 0. The value 0 means that there is no cushion.
+        /// of chamber B [m], >= 0. The value 0 means: no cushion.
         length: f64 = 0.030 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of chamber B; 0: no cushion");
         /// Flow out of chamber B through the cushion at the extended end of the travel, at the rated pressure drop of
-        /// the valve [m3/s], >= 0. The value 0 means that there is no cushion.
-        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion \
-            lets out of chamber B at the end of the travel, at the rated pressure drop; 0: no cushion");
+        /// the valve [m3/s], >= 0. The value 0 means: no cushion.
+        rated_flow: f64 = 1.2e-5 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of chamber \
+            B through the cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// Relief valves from both chambers into the tank.
@@ -201,8 +202,8 @@ keys! {
             the seals");
         /// Stribeck speed: characteristic speed at which the seal friction decreases from static to kinetic friction
         /// [m/s], > 0.
-        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of the \
-            fall from static to kinetic friction (Stribeck speed) of the seals");
+        stribeck_speed: f64 = 0.02 => number(MetrePerSecond, Positive).parameter(Circuit, "Stribeck speed \
+            (characteristic speed of the change from static to kinetic friction) of the seals");
         /// Characteristic speed of the smooth reversal of the seal friction force [m/s], > 0. Static and kinetic
         /// friction are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the
         /// speed v = 0.
@@ -219,12 +220,12 @@ keys! {
 
     /// Hoses of both chambers.
     pub struct Hose: Copy {
-        /// Volume of the hose of chamber A [m3], >= 0. The hose volume is a part of `chamber_a.dead_volume`. The value
-        /// 0 means that there is no hose.
+        /// Volume of the hose of chamber A [m3], >= 0. The hose volume is a part of `chamber_a.dead_volume`. The
+        /// default 0 means: no hose.
         volume_a: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber A, \
             part of the dead volume of chamber A; 0: no hose");
-        /// Volume of the hose of chamber B [m3], >= 0. The hose volume is a part of `chamber_b.dead_volume`. The value
-        /// 0 means that there is no hose.
+        /// Volume of the hose of chamber B [m3], >= 0. The hose volume is a part of `chamber_b.dead_volume`. The
+        /// default 0 means: no hose.
         volume_b: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of chamber B, \
             part of the dead volume of chamber B; 0: no hose");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -237,10 +238,11 @@ keys! {
     pub struct LockValve: Copy {
         /// Pressure ratio at which the pilot opens the lock valve [1], >= 0: oil leaves chamber A only while p_B >
         /// `pilot_ratio` * p_A, with the chamber pressures p_A and p_B. Data sheets usually state the reciprocal of the
-        /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means that
-        /// there is no lock valve.
-        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio: the lock valve \
-            opens if the pressure in chamber B exceeds this ratio times the pressure in chamber A; 0: no lock valve");
+        /// pressure ratio: the area of the pilot piston divided by the area of the valve seat. The value 0 means: no
+        /// lock valve.
+        pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio of the lock \
+            valve: the lock valve opens when the pressure in chamber B exceeds this ratio times the pressure in \
+            chamber A; 0: no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range in which the lock \
             valve changes smoothly from closed to open");
@@ -248,14 +250,14 @@ keys! {
 
     /// Accumulator between pump and valve.
     pub struct Accumulator: Copy {
-        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. With the value 0, there is no
-        /// accumulator, and the input `supply.pressure` is the pressure at the supply port of the valve.
+        /// Gas volume V_0 of the accumulator at the precharge pressure [m3], >= 0. The value 0 means: no accumulator;
+        /// the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; 0: no accumulator");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
-        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of the \
-            accumulator: gas pressure when the accumulator contains no oil");
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
+        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure: gas pressure \
+            in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             the accumulator");
@@ -281,8 +283,8 @@ keys! {
         /// run.
         ramp_amplitude: f64 = 0.0 => number(One, Finite).parameter(Circuit, "Final value of the ramp that is added to \
             valve.command from the start of the run");
-        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. With the value 0, the final value
-        /// of the ramp is added from the start of the run.
+        /// Duration of the ramp that is added to the input `valve.command` [s], >= 0. With the value 0, the ramp is a
+        /// step at the start of the run.
         ramp_time: f64 = 0.0 => number(Second, NonNegative).parameter(Circuit, "Duration of the ramp that is added to \
             valve.command; 0: a jump at the start of the run");
         /// Amplitude of a sine that is added to the input `valve.command`, from the start of the run [1].

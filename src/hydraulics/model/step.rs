@@ -109,7 +109,7 @@ impl Model {
                 predicted = state.predict(&setting, foreseen, h).ok();
                 state.keep(foreseen);
                 if let Some(predicted) = &predicted {
-                    lead = state.lead(&setting, predicted, foreseen, h);
+                    lead = state.lead(&setting, predicted, (&before, foreseen), h);
                     state.repay(&setting, predicted.motion[0], h);
                 }
                 let end = [foreseen.end[LENGTH], foreseen.end[SPEED]];

@@ -204,8 +204,7 @@ impl Builder<'_> {
         let text = format!("Derivative of the seal friction force of {name} with respect to the speed");
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
         if layout.is_carried {
-            let text =
-                format!("Force of the end of {name} at which the piston rests, positive when it pushes the piston out");
+            let text = format!("Force of an end of {name} on the piston, positive in the direction of extension");
             self.output(named("end_force"), text, Unit::Newton, Output::EndForce(index), &[]);
         }
         let text = format!("Position of the piston of {name}; 0: fully retracted");

@@ -14,7 +14,7 @@ use super::{Blind, Foreseen, Preview, SAME_STEP, Setting, State};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::hydraulics::inputs::Input;
-use crate::hydraulics::systems::{Element, IMPULSE, LENGTH, SPEED};
+use crate::hydraulics::systems::{ELEMENT, Element, IMPULSE, LENGTH, SPEED, with_element, without_element};
 
 /// What the mechanism has been told of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -116,8 +116,15 @@ impl State {
     /// By how much the motion foreseen, which a step of size h [s] has kept, leads the mechanism at its end, length [m]
     /// and speed [m/s]: the command or a pressure has changed, the load has jumped or a lock has let go after the
     /// mechanism was told its force. Whatever else nobody foresaw is no lead: the next foresight begins where the
-    /// mechanism is. In steps below the reciprocal of sqrt(k/m) the oil follows a load or a lock instead.
-    pub fn lead(&mut self, setting: &Setting<'_>, predicted: &Predicted, foreseen: &Foreseen, h: f64) -> [f64; 2] {
+    /// mechanism is. To a load or a lock, which act for two steps before a force can react, the oil reacts from here on
+    /// as if it had known of them.
+    pub fn lead(
+        &mut self,
+        setting: &Setting<'_>,
+        predicted: &Predicted,
+        (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
+        h: f64,
+    ) -> [f64; 2] {
         let Some(told) = self.told else { return [0.0; 2] };
         if foreseen.course.met_end {
             // The mechanism is where the force brings it that leads to the end of the cylinder.
@@ -139,18 +146,42 @@ impl State {
             speed - gain + (end[1] - told.preview.speed),
         ];
         let [lower, upper] = told.element.limits;
-        let let_go = lower == upper && predicted.element.limits != told.element.limits;
-        if let_go || self.jump_of_load(setting) != 0.0 {
-            let stiffness = setting.laws.stiffness(self.pressures(), predicted.motion[0]);
-            if stiffness * h * h < predicted.element.mass {
-                // The step resolves how the oil carries what has come unforeseen.
-                let way = predicted.motion[0] - expected[0];
-                self.circuit = setting.laws.displaced(&self.circuit, predicted.motion[0], way);
-            } else {
-                (0..2).for_each(|k| lead[k] += expected[k] - predicted.motion[k]);
-            }
+        let is_other = lower == upper && predicted.element.limits != told.element.limits;
+        // What static friction alone has held at rest has told no limits.
+        let let_go = is_other && self.last.is_some_and(|last| !last.rests);
+        let steps = self.unanswered(setting, let_go);
+        if steps > 0
+            && let Some(reacted) = self.reaction(setting, predicted, (before, foreseen), (steps, h))
+        {
+            lead[0] += reacted[LENGTH] - end[0] + (expected[0] - predicted.motion[0]);
+            lead[1] += reacted[SPEED] - end[1] + (expected[1] - predicted.motion[1]);
+            self.circuit = without_element(&reacted);
         }
         lead
+    }
+
+    /// State at the end of a step of size h [s], had the oil known the element of the inputs for so many steps. Each of
+    /// them starts from the state before the last one, with the change that the others have made: what the motion
+    /// foreseen passes through in a step changes the reaction by little.
+    fn reaction(
+        &self,
+        setting: &Setting<'_>,
+        predicted: &Predicted,
+        (before, foreseen): (&[f64; CIRCUIT], &Foreseen),
+        (steps, h): (usize, f64),
+    ) -> Option<[f64; ELEMENT]> {
+        let before = with_element(before, foreseen.start);
+        let (mut start, mut end) = (before, None);
+        for _ in 0..steps {
+            let from = (&without_element(&start), [start[LENGTH], start[SPEED]]);
+            let seen = self.foresee_from(setting, from, (predicted.element, predicted.correction), h).ok()?;
+            if !seen.is_whole() || seen.course.met_end || seen.course.held_at_end {
+                return None;
+            }
+            start = std::array::from_fn(|k| before[k] + (seen.end[k] - foreseen.end[k]));
+            end = Some(seen.end);
+        }
+        end
     }
 
     /// A way that is owed is repaid over a step of size h [s] that ends at this length [m].

@@ -4,7 +4,7 @@
 //! of the inputs, the predicted force. It must not change the state.
 use super::limits::{Course, holds};
 use super::march::{Instants, Levels, March, finite};
-use super::{Last, Setting, State, Told};
+use super::{Last, Setting, State};
 use crate::hydraulics::circuit::{CIRCUIT, settling_reach};
 use crate::hydraulics::error::HydraulicsError;
 use crate::hydraulics::inputs::Input;
@@ -18,7 +18,7 @@ use crate::numerics::dual::{Dual, Number};
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
 const MASS_CHANGE: f64 = 0.5;
 /// Change of the load, as a part of it, from which it has jumped.
-const JUMP: f64 = 0.02;
+const JUMP: f64 = 0.001;
 /// Part of what a speed has missed that a jump of the load leaves unexplained.
 const EXPLAINED: f64 = 0.1;
 /// Acceleration of an element that no mass and load have [m/s2].
@@ -101,7 +101,7 @@ impl State {
         let reversed = v * last.speed <= 0.0 && missed.abs() > 0.5 * last.start_speed.abs().max(last.speed.abs());
         // The force is asked for only where the loads alone do not explain the difference.
         let contact = reversed || exceeds(loads) && exceeds(force() + loads);
-        let jumped = jump(&last, get(Input::Load), m, v);
+        let (jumped, _) = jump(&last, get(Input::Load), m, v);
         (if contact { 0.0 } else { last.correction - m * missed / last.step + jumped }, contact)
     }
 
@@ -149,10 +149,14 @@ impl State {
         if is_known && self.hold(setting) == Hold::End { load - force } else { T::constant(0.0) }
     }
 
-    /// [`jump`] of the load of the inputs.
-    pub(super) fn jump_of_load(&self, setting: &Setting<'_>) -> f64 {
+    /// For how many steps, with the next one, the load of the inputs acts or a lock has let go before a force reacts.
+    pub(super) fn unanswered(&self, setting: &Setting<'_>, let_go: bool) -> usize {
         let get = |input| setting.inputs.get(input);
-        self.last.map_or(0.0, |last| jump(&last, get(Input::Load), get(Input::Mass), get(Input::Speed)))
+        match self.last {
+            _ if let_go => 1 + usize::from(get(Input::Speed) != 0.0),
+            Some(last) => jump(&last, get(Input::Load), get(Input::Mass), get(Input::Speed)).1,
+            None => 0,
+        }
     }
 
     /// The element that stands for what the actuator moves, and the correction of its load.
@@ -205,8 +209,8 @@ impl State {
     /// # Errors
     /// Why none is foreseen.
     pub fn foresee(&self, setting: &Setting<'_>, h: f64) -> Result<Foreseen, (Blind, Option<HydraulicsError>)> {
-        if let Some(Told { start, element, correction, .. }) = self.told {
-            return self.foresee_from(setting, (&self.circuit, start), (element, correction), h);
+        if let Some(told) = &self.told {
+            return self.foresee_from(setting, (&self.circuit, told.start), (told.element, told.correction), h);
         }
         let element = self.element(setting).map_err(|blind| (blind, None))?;
         let motion = [Input::Length, Input::Speed].map(|input| setting.inputs.get(input));
@@ -359,15 +363,20 @@ fn stuck_with(setting: &Setting<'_>, time: f64, what: &str) -> HydraulicsError {
     HydraulicsError::Stuck { time, what }
 }
 
-/// Part of the load's correction that the holding force set explains [N], for a mass and a speed set. In a late host a
-/// load that jumps acts for a step before it is told: its difference from the one expected is then what the speed has
-/// missed.
-fn jump(last: &Last, load: f64, mass: f64, speed: f64) -> f64 {
-    let Some(expected) = last.expected_load else { return 0.0 };
+/// Part of the load's correction that the holding force set explains [N], for a mass and a speed set, and for how many
+/// steps no force has reacted to it. In a late host a load that jumps acts for a step before it is told: its difference
+/// from the one expected is then what the speed has missed. A host that reads outputs after it has set the load tells
+/// it at once: the speed has missed nothing.
+fn jump(last: &Last, load: f64, mass: f64, speed: f64) -> (f64, usize) {
+    let Some(expected) = last.expected_load else { return (0.0, 0) };
     let (missed, jump) = (-mass * (speed - last.speed) / last.step, load - expected);
-    let explains =
-        (missed - jump).abs() < EXPLAINED * missed.abs() && jump.abs() > JUMP * (load.abs() + expected.abs());
-    if explains { -jump } else { 0.0 }
+    if jump.abs() <= JUMP * (load.abs() + expected.abs()) {
+        (0.0, 0)
+    } else if (missed - jump).abs() < EXPLAINED * missed.abs() {
+        (-jump, 2)
+    } else {
+        (0.0, usize::from(missed.abs() < EXPLAINED * jump.abs()))
+    }
 }
 
 /// Inputs that make the element, in the order in which [`element_of`] takes them.
@@ -387,7 +396,7 @@ fn element_of<T: Number>(last: Option<&Last>, (contact, limits): (bool, [f64; 2]
         }
         if !contact && last.is_known {
             corrected = corrected - mass * (speed - T::constant(last.speed)) * per_step;
-            corrected = corrected + T::constant(jump(last, load.value(), mass.value(), speed.value()));
+            corrected = corrected + T::constant(jump(last, load.value(), mass.value(), speed.value()).0);
         }
         if load_derivative.value() == 0.0 {
             load_rate = (load - T::constant(last.load)) * per_step;

@@ -50,14 +50,14 @@ impl fmt::Display for AssemblyError {
             Self::Guess { name, message } => write!(f, "guess.{name}: {message}"),
             Self::Open { joint, gap, contradicts: true } => write!(
                 f,
-                "the loops do not close: {joint} stays open by {gap:.3e} m, because the lengths contradict other \
-                 joints between the same bodies; correct the lengths by this gap and write them with all digits, or \
-                 remove a redundant joint (the key snap does not help in this case)"
+                "the loops do not close: the two points of {joint} stay {gap:.3e} m apart, because the lengths \
+                    contradict other joints between the same bodies; correct the lengths by this distance and write \
+                    all digits, or remove a redundant joint (the key snap has no effect in this case)"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
-                "the loops do not close from the guess: {joint} stays open by {gap:.3e} m; check the lengths, or \
-                 correct the values in guess"
+                "the loops do not close from the guess: the two points of {joint} stay {gap:.3e} m apart; check the \
+                    lengths, or correct the values in guess"
             ),
             Self::TooLong { joint, side, is_slide, length, others } => {
                 let told = Decimal::rounded;
@@ -94,8 +94,9 @@ impl fmt::Display for AssemblyError {
             ),
             Self::Crossing => write!(
                 f,
-                "two branches of motion cross at the guess: change `guess` to a position on the intended branch, away \
-                 from the crossing; the run may still start at the crossing, if `start` contains this position"
+                "two branches of motion cross at the guess, so two motions are possible: state in `guess` a position \
+                    of the intended motion, away from the crossing; the run may still start at the crossing, if \
+                    `start` contains this position"
             ),
         }
     }

@@ -95,14 +95,14 @@ impl fmt::Display for CurveError {
             Self::TooLong { panels } => {
                 write!(
                     f,
-                    "the path of the motion is too long to be computed: after {panels} sections of the path the \
-                     mechanism is not back at its start; simplify the linkage"
+                    "the motion is too long to be computed: after {panels} sections of the motion the mechanism has \
+                        not returned to its start; simplify the linkage"
                 )
             }
             Self::Inconsistent { joint, gap, position } => write!(
                 f,
-                "the redundant joint {joint} opens by {gap:.3e} m at {position}: correct the points of this joint so \
-                 that the gap is zero in every position, or remove this joint"
+                "the two points of the redundant joint {joint} are {gap:.3e} m apart at {position}: correct these \
+                    points so that they coincide in every position, or remove this joint"
             ),
         }
     }

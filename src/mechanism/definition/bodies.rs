@@ -26,20 +26,22 @@ keys! {
 
 keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
-    /// frame. The x axis of the frame passes through the point `end`, at the distance `length` from the origin.
+    /// body frame. The x axis passes through the point `end`, at the distance `length` from the origin.
     pub struct Body {
-        /// Point (`body.point`) of another body, to which the origin of this body is rigidly fixed.
+        /// Point (`body.point`) of another body, for a rigid connection. The origin of the present body is fixed to
+        /// this point.
         fixed_to: Option<String> => point();
-        /// Angle from the x axis of the body in `fixed_to` to the x axis of this body [rad]. The key `angle` is allowed
-        /// only together with `fixed_to`.
+        /// Angle from the x axis of the body in `fixed_to` to the x axis of the present body [rad]. The key `angle` is
+        /// allowed only together with `fixed_to`.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Geometry, "Angle of the x axis of @, from \
             the x axis of the body to which it is fixed").absent("0");
         /// Distance from the point `origin` to the point `end`, along the body's x axis [m], from 1e-100 to 1e100.
         length: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Length");
-        /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, only the motion is computed.
+        /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, the FMU computes only the motion, without
+        /// forces.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution of the body. `uniform_rod`: the mass is spread evenly from the point `origin` to the point
-        /// `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
+        /// Mass distribution of the body. `uniform_rod`: the mass is distributed evenly from the point `origin` to the
+        /// point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
         /// Centre of mass in the frame of the body [m]. The key `center` is not allowed together with `shape`.
         center: Option<[f64; 2]> =>
@@ -48,9 +50,8 @@ keys! {
         /// `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// Axial stiffness E A of the body as an elastic rod between its two joints [N], > 0. Only the method
-        /// `rigid_fem` (key `solver.method`) uses the axial stiffness. The key `axial_stiffness` is not allowed
-        /// together with `fixed_to`.
+        /// Axial stiffness E A of the body as an elastic rod between its two joints, for the method `rigid_fem` (key
+        /// `solver.method`) only [N], > 0. The key `axial_stiffness` is not allowed together with `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
         /// Additional points by name: coordinates [x, y] in the frame of the body [m].
@@ -73,8 +74,8 @@ keys! {
         /// prismatic joint is constant. `slot`: a pin in a curved slot or track. The pin is the second point. The slot
         /// is an arc or a smooth curve in the first body.
         kind as "type": JointKind => Key::PLAIN.required();
-        /// Point (`body.point`) at which the joint acts on the first body. The reaction outputs of the joint state the
-        /// force of the first body on the second body.
+        /// Point (`body.point`) of the first body. The reaction outputs of the joint are the force of the first body on
+        /// the second body.
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
@@ -90,15 +91,16 @@ keys! {
         radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
         /// Slot with `radius` only: direction from the centre to the start of the slot, as an angle in the frame of the
-        /// first body [rad]. The position of the joint counts anticlockwise from this start.
+        /// first body [rad]. The position of the joint is measured anticlockwise from the start of the slot.
         from_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
         /// Slot with `radius` only: direction from the centre to the end of the slot, as an angle in the frame of the
         /// first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
-        /// Slot only: points [x, y] of a curved slot [m, m], in the order of the position of the joint, relative to the
-        /// first point of the joint and in the axes of the first body. The slot is a smooth curve through the points.
+        /// Slot only: points [x, y] of a curved slot, relative to the first point of the joint, in the axes of the
+        /// first body [m, m]. The slot is a smooth curve through the points. The position of the joint increases in the
+        /// order of the points.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
         /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
         /// joint has no friction.
@@ -112,30 +114,30 @@ keys! {
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
-        /// Constant friction force of a prismatic joint or a slot, or friction torque of a revolute joint [N or N.m],
-        /// >= 0. The constant friction acts against the motion of the joint, holds the joint at rest, and does not
-        /// depend on the force in the joint. The key `frictionloss` does not need the key `friction`.
+        /// Constant friction force of a prismatic joint or a slot, or constant friction torque of a revolute joint [N
+        /// or N.m], >= 0. The constant friction does not depend on the force in the joint, and can hold the joint at
+        /// rest. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
-        /// Mass that moves with the position of a prismatic joint, or moment of inertia of a rotor that turns with the
-        /// angle of a revolute joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
-        /// where rate is the relative speed of the two bodies. State the inertia of a geared motor at the joint: the
-        /// inertia of the motor times the square of the gear ratio.
+        /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
+        /// position of a prismatic joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
+        /// where rate is the relative speed of the two bodies. For a geared motor, `armature` is the inertia of the
+        /// motor times the square of the gear ratio.
         armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
             .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
 
     /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
-    /// the law `viscous` the coefficient mu(v) rises in proportion to the slip speed v, up to the static coefficient at
-    /// `static_speed`. Above `static_speed` the coefficient mu falls along a cubic curve to the kinetic coefficient at
-    /// `kinetic_speed`. With the law `stick`, the coefficient mu is the static coefficient up to `static_speed`, and
-    /// friction holds the mechanism at rest.
+    /// the law `viscous`, the coefficient of friction is proportional to the slip speed up to `static_speed`, where the
+    /// coefficient of friction is equal to the static coefficient. With the law `stick`, the coefficient of friction is
+    /// the static coefficient up to `static_speed`, and friction can hold the mechanism at rest. Above `static_speed`,
+    /// the coefficient of friction falls along a cubic curve to the kinetic coefficient at `kinetic_speed`.
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
             Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: no friction").absent("false");
-        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and does not hold
-        /// the mechanism at rest. `stick`: Coulomb's law, with which friction holds the mechanism at rest.
+        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and cannot hold the
+        /// mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
         /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` the static coefficient must be at least
         /// as large as the kinetic coefficient.

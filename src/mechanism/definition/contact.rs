@@ -21,13 +21,14 @@ keys! {
         second: Option<String> => point();
         /// First of two bodies between which the angle is limited, in place of the key `body`.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the stop is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the angle is limited. The angle of the stop is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
-        /// Side on which the stop limits the motion. `lower`: the angle, position or distance cannot fall below the
-        /// value at the stop. `upper`: the angle, position or distance cannot rise above the value at the stop.
+        /// Kind of limit. `lower`: the stop limits the angle, position or distance from below. `upper`: the stop limits
+        /// the angle, position or distance from above.
         limit: Limit => Key::PLAIN.required();
-        /// Angle at the stop [rad]: the angle of the body, or the angle of the second body relative to the first body
-        /// for a revolute joint or two bodies.
+        /// Limit of the angle [rad]: the angle of the body, or for a revolute joint or two bodies the angle of the
+        /// second body relative to the first body.
         angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
         /// Position of the prismatic joint or of the slot at the stop [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
@@ -36,8 +37,8 @@ keys! {
             points at the stop @");
         /// true: the stop acts on the mechanism. false: the stop is ignored.
         enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: the stop @ acts; false: the stop is ignored");
-        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. If
-        /// the stop has `stiffness`, `damping` or `points`, the key `rigid` must be given too.
+        /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. A
+        /// stop with `stiffness`, `damping` or `points` must also have the key `rigid`.
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
                 damper that only pushes").absent("true");
@@ -50,12 +51,12 @@ keys! {
         /// Bumper only: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
-        /// Bumper only: additional force as a curve over the compression. State pairs of compression and force [m or
-        /// rad, N or N.m]. The first pair must be [0, 0], and the force must not fall with the compression. Beyond the
-        /// last pair the force curve of the bumper continues as a straight line.
+        /// Bumper only: additional force as a curve over the compression [m or rad, N or N.m]. State pairs of
+        /// compression and force. The first pair must be [0, 0], and the force must not decrease with the compression.
+        /// Beyond the last pair, the force curve is a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond. Default:
-        /// `<name>.reached`.
+        /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond the stop.
+        /// Default: `<name>.reached`.
         flag: Option<String> => element();
     }
 
@@ -68,8 +69,8 @@ keys! {
         at: String => point().required();
         /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;
-        /// Force on the point `at` at which an engaged lock releases the mechanism, as a detent does [N], > 0. Without
-        /// the key `release_force` a lock holds against any load. The stop of a lock with this key must be rigid.
+        /// Detent: force on the point `at` at which an engaged lock releases the mechanism [N], > 0. Without the key
+        /// `release_force`, a lock holds any load. The stop of a lock with `release_force` must be rigid.
         release_force: Option<f64> => number(Newton, Range::Positive)
             .parameter(Role::Law, "Force at which the lock @ releases");
     }

@@ -17,8 +17,7 @@ keys! {
     /// The object `control` describes a controller of a drive. The force of the drive is force + position_gain *
     /// (command - x) + speed_gain * (command_speed - dx/dt) + integral part, limited to the range from min_force to
     /// max_force. Here x is the length, position or angle of the drive, and force is the input `<name>.force` or
-    /// `<name>.torque`. The control law is part of the equation of motion, so the controller is continuous and has no
-    /// sampling time.
+    /// `<name>.torque`. The controller is continuous and has no sampling time.
     pub struct Control: Copy {
         /// Position gain [N/m or N.m/rad], >= 0. The input `<name>.command` is the commanded length, position or angle
         /// of the drive.

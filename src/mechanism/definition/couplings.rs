@@ -15,13 +15,13 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// A coupling connects two motions u1 and u2 by gears, a rack, a belt or a cam: u2 = F(u1). The motion u1 is the
-    /// angle of the first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the
-    /// carrier, or the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
+    /// Gears, a rack, a belt or a cam connect two motions u1 and u2: u2 = F(u1). The motion u1 is the angle of the
+    /// first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the carrier, or
+    /// the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
-        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The
-        /// program always rejects the type `screw`: define a screw by the key `screw` of an actuator.
+        /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The type
+        /// `screw` is always an error: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
         /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects the point `first` to the
         /// carrier.
@@ -40,8 +40,8 @@ keys! {
         /// that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
-        /// Elliptic gears: direction from the centre of the first wheel to the nearest vertex of its pitch curve, as an
-        /// angle in the frame of the wheel [rad].
+        /// Elliptic gears: direction from the centre of rotation of the first wheel to the nearest vertex of its pitch
+        /// curve, as an angle in the frame of the wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");
@@ -55,8 +55,8 @@ keys! {
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
         /// Cam with a flat-faced follower: direction along the face, as an angle in the frame of the follower [rad].
-        /// Default for a translating follower: perpendicular to the direction of sliding. Default for an oscillating
-        /// follower: along the x axis of the follower.
+        /// Default: perpendicular to the direction of sliding for a translating follower, and along the x axis of the
+        /// follower for an oscillating follower.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
             face of the follower of @, as an angle in the frame of the follower");
         /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0
@@ -90,9 +90,9 @@ keys! {
         /// Belt: radius of the second pulley [m], > 0.
         second_radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the second pulley");
-        /// Belt: true if the spans cross, so that the pulleys turn in opposite directions.
+        /// Belt: true if the two spans of the belt cross. The pulleys then turn in opposite directions.
         crossed: Option<bool> => Key::PLAIN.absent("false");
-        /// Belt: tension of each span at rest without load [N], >= 0.
+        /// Belt: tension of each span of the belt at rest without load [N], >= 0.
         pretension: Option<f64> =>
             number(Newton, Range::NonNegative)
                 .parameter(Role::Load, "Tension of each span of @ at rest without load").absent("0");
@@ -103,19 +103,18 @@ keys! {
         /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2 rad. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
-        /// Value of u2 (the position of the rack or the angle of the second wheel) where the angle u1 of the first
-        /// wheel is 0 [m or rad]. Default: the value that follows from the positions in `guess`. The key `phase` is not
-        /// allowed for a cam.
+        /// Value of u2 (position of the rack or angle of the second wheel) at u1 = 0 [m or rad]. Default: the value
+        /// that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
         /// Without the key `backward_efficiency`, the efficiency is equal in both directions of the power flow. Without
         /// the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
-        /// Gears, rack, belt: efficiency of the coupling where power flows from the second body to the first body [1],
-        /// 0 to 1. With the value 0 the coupling locks itself: the second body cannot drive the first body. The key
-        /// `backward_efficiency` needs the key `efficiency`.
+        /// Gears, rack, belt: efficiency of the coupling for the power flow from the second body to the first body, 0
+        /// to 1 [1]. With the value 0 the coupling is self-locking: the second body cannot drive the first body. The
+        /// key `backward_efficiency` needs the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
-            .parameter(Role::Load, "Efficiency where power flows from the second body to the first body of");
+            .parameter(Role::Load, "Efficiency for the power flow from the second body to the first body of");
     }
 }
 

@@ -16,23 +16,23 @@ keys! {
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Start speed of the body in `body` or of the joint in `joint` [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The program computes
-        /// the equilibrium with the loads at the start of the run.
+        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The equilibrium is
+        /// computed with the loads at the start of the run.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
-    /// The object `solver` contains the settings of the time integration.
+    /// Settings of the time integration.
     pub struct Solver {
         /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
-        /// The reference speed is the speed that the mechanism would reach from rest if the present loads moved the
-        /// mechanism over 1 rad. Small values of `speed_floor` make slow creep accurate.
+        /// The reference speed is the speed of the mechanism if the present loads move the mechanism from rest over 1
+        /// rad. Small values of `speed_floor` make slow creep accurate.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
-            "Smallest speed to which the relative tolerance refers, as a fraction of the speed that the present loads \
-             would give the mechanism over a motion of 1 rad",
+            "Smallest speed to which the relative tolerance refers, as a fraction of the speed of the mechanism if \
+                the present loads move the mechanism from rest over 1 rad",
         );
         /// Largest number of integration steps in one communication step [1], a whole number. The number of integration
         /// steps includes rejected steps, substeps of the method `rigid_fem`, and events.
@@ -51,16 +51,16 @@ keys! {
         /// evaluation, which is about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
-            "true: the equation of motion is evaluated from tables; false: each evaluation solves the loop equations, \
-             which is slower",
+            "true: the FMU evaluates the equation of motion from tables; false: the FMU solves the loop equations in \
+                each evaluation, which is slower",
         );
-        /// Start value of the Boolean variable `solver.prepare`. true: the FMU makes all tables in the initialisation,
-        /// for simulation in real time. For a motion without end, the tables are made up to 100 turns from the guess.
-        /// false: the FMU makes a table when a step or an output first needs the table.
+        /// Start value of the Boolean variable `solver.prepare`. true: the FMU computes all tables in the
+        /// initialisation, for simulation in real time. For a motion without end, the tables extend to 100 turns from
+        /// the guess. false: the FMU computes a table when a step or an output first needs the table.
         prepare: bool = false => Key::PLAIN.parameter(
             Role::Load,
-            "true: the initialisation makes all tables that a step or an output can need; false: a table is made when \
-             it is first needed",
+            "true: the FMU computes all tables in the initialisation; false: the FMU computes a table when a step or \
+                an output first needs the table",
         );
     }
 }

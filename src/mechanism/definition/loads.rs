@@ -23,7 +23,7 @@ keys! {
         /// Upward direction, as an angle from the X axis of the mechanism frame [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, as an angle from the X axis of the mechanism frame").required();
-        /// Start value of the input `load_factor` [1], the factor by which all weights are multiplied.
+        /// Start value of the input `load_factor`, which is a factor of all weights [1].
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
@@ -39,9 +39,10 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of two bodies between which the drive exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the drive exerts a torque. The two bodies need no common joint.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the drive is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the drive exerts a torque. The angle of the drive is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
         /// Start value of the input `<name>.force`, the force that the drive exerts [N]. The key `force` is not
         /// allowed in a revolute joint, between two bodies or together with `screw`.
@@ -52,22 +53,21 @@ keys! {
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
         /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Efficiency of the drive where power flows back from the mechanism to the drive [1], > 0 and <= 1. Default:
-        /// the value of the key `efficiency`.
+        /// Efficiency of the drive for the power flow from the mechanism to the drive [1], > 0 and <= 1. Default: the
+        /// value of the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Fraction)
-            .parameter(Role::Load, "Efficiency where power flows back to the drive");
-        /// true: the drive has outputs for each moving body: the part of the body in the reduced mass and in the static
-        /// load, and the ratios between the speeds of drive and body ([CK16] conclusion 3). false: the drive has no
-        /// outputs for single bodies.
+            .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
+        /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
-        /// Additional drive force as a curve over the speed of the drive. The input `<name>.command` multiplies the
-        /// additional force. State pairs of speed and force [m/s or rad/s, N or N.m] in the order of increasing speed.
-        /// Beyond the first and the last pair the force-speed curve continues as a straight line. The key `points` is
-        /// not allowed together with `hydraulics` or `motion`.
+        /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
+        /// The input `<name>.command` is a factor of the additional force. State pairs of speed and force in the order
+        /// of increasing speed. Beyond the first and the last pair, the force-speed curve is a straight line. The key
+        /// `points` is not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
-        /// Start value of the input `<name>.command`, the factor that multiplies the force of the curve `points` [1].
-        /// The key `command` is allowed only together with `points`.
+        /// Start value of the input `<name>.command`, the factor of the force of the curve `points` [1]. The key
+        /// `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
         /// is the torque of the motor. The key `screw` is not allowed in a revolute joint or between two bodies.
@@ -97,8 +97,7 @@ keys! {
     pub struct Force {
         /// Point of application (`body.point`).
         at: String => point().required();
-        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`. If the key
-        /// `constant` is true, the two variables are parameters, otherwise inputs.
+        /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
         /// true: the components of the force are parameters. false: the components are inputs.
         constant: bool;
@@ -108,8 +107,7 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m]. If the key `constant` is true, the variable
-        /// `<name>.torque` is a parameter, otherwise an input.
+        /// Start value of the variable `<name>.torque` [N.m].
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
@@ -117,10 +115,11 @@ keys! {
 
     /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
     /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. In a prismatic
-    /// joint the length is the position of the joint, and a positive force moves the second body back along the axis.
-    /// In a revolute joint or between two bodies, the torque preload + stiffness * (angle - free_angle) + damping *
-    /// d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the second body relative to
-    /// the first body. The spring force also includes the forces of the keys `points`, `damping_points` and `gas`.
+    /// joint, the position of the joint replaces the length, and a positive force moves the second body against the
+    /// direction of the axis. In a revolute joint or between two bodies, the torque preload + stiffness * (angle -
+    /// free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the
+    /// second body relative to the first body. The spring force also includes the forces of the keys `points`,
+    /// `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
@@ -128,9 +127,10 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of two bodies on whose angle the spring acts. The two bodies need no common joint.
+        /// First of the two bodies between which the spring exerts a torque. The two bodies need no common joint.
         first_body: Option<String> => element();
-        /// Second of the two bodies. The angle of the spring is the angle of this body relative to the first body.
+        /// Second of the two bodies between which the spring exerts a torque. The angle of the spring is the angle of
+        /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
         /// Stiffness of the linear spring [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
@@ -148,14 +148,14 @@ keys! {
         /// ends of the spring together. A positive torque turns the second body clockwise, relative to the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Additional pulling force as a curve over the length, position or angle of the spring. State pairs of length
-        /// and force [m or rad, N or N.m] in the order of increasing length. Beyond the first and the last pair the
-        /// force curve continues as a straight line.
+        /// Additional pulling force as a curve over the length, position or angle of the spring [m or rad, N or N.m].
+        /// State pairs of length and force in the order of increasing length. Beyond the first and the last pair, the
+        /// force curve is a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
         /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
         /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The damping curve must pass through
-        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair the damping curve
-        /// continues as a straight line.
+        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair, the damping
+        /// curve is a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.
@@ -169,10 +169,10 @@ keys! {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
             .parameter(Role::Load, "Absolute gas pressure at the free length").required();
-        /// Area on which the gas pressure acts [m2], > 0. With gas on both sides of the piston, the key `area` is the
+        /// Area on which the gas pressure acts [m2], > 0. If the gas is on both sides of the piston, `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Gas-loaded area").required();
+            .parameter(Role::Load, "Area of the gas pressure").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
@@ -181,8 +181,8 @@ keys! {
         exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
             gas").required();
         /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere.
-        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute ambient \
-            pressure");
+        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute pressure of \
+            the surrounding air");
     }
 
     /// The object `air` describes a uniform air flow past the mechanism. The speed of the flow is the input
@@ -206,10 +206,9 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// A surface on which the air exerts drag: a strip between two points of one body, or an area at a point. The drag
-    /// of a surface is 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag
-    /// coefficient and u is the air velocity relative to the surface [m/s]. The projected area S is perpendicular to u
-    /// [m2].
+    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is 1/2
+    /// * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is the
+    /// air velocity relative to the surface [m/s]. The projected area S is perpendicular to u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
@@ -217,7 +216,7 @@ keys! {
         to: Option<String> => point();
         /// Width of a surface that is a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
-        /// Point (`body.point`) at which the drag of an area acts.
+        /// Area: point (`body.point`) at which the drag acts.
         at: Option<String> => point();
         /// Area of a surface that has the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");

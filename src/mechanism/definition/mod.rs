@@ -87,8 +87,8 @@ keys! {
     /// The file mechanism.json defines a planar linkage with one degree of freedom. Numbers are in SI units. Angles
     /// are in rad and count anticlockwise.
     pub struct Mechanism {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
         /// Name of the FMU: a letter, then letters, digits or underscores.
         name: String => element().required();
@@ -149,19 +149,18 @@ keys! {
         /// Position and speed at the start, or the word `equilibrium`. With the word `equilibrium` the run starts at
         /// the stable equilibrium that is nearest to the position in `guess`.
         start: Start => Key::PLAIN.required();
-        /// By name: rough angle of each body that turns, and rough position of each prismatic joint and slot [m or
-        /// rad]. The guess selects one of the ways in which the links can be assembled. Bodies with the key `drawn`
-        /// need no guess.
+        /// Rough angle of each turning body, and rough position of each prismatic joint and slot, by name [m or rad].
+        /// The guess selects one of the possible assemblies of the links. Bodies with the key `drawn` need no guess.
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions from which two different motions are possible), relative to the size
         /// of the mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the
-        /// program corrects the lengths so that the mechanism passes exactly through the change point. With the value
-        /// 0 the program corrects no lengths.
+        /// program corrects the lengths. The corrected mechanism passes exactly through the change point. The value 0
+        /// means: no correction.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
         linearisation: bool => Key::PLAIN.brief();
-        /// The object `solver` contains the settings of the time integration.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -18,16 +18,15 @@ keys! {
         /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. The
         /// key `position` is allowed only without the key `profile`.
         position: Option<f64> => either([Metre, Radian], Range::Finite);
-        /// Motion law of the drive over time. Without the key `profile`, position, speed and acceleration of the drive
-        /// are inputs of the FMU.
+        /// Motion law of the drive as a function of time. Without the key `profile`, position, speed and acceleration
+        /// of the drive are inputs of the FMU.
         profile: Option<ProfileKind>;
-        /// Time at rest before the profile starts [s], >= 0, counted from the time at which the motion is first
-        /// prescribed.
+        /// Time at rest before the profile starts, measured from the instant at which the motion is first prescribed
+        /// [s], >= 0.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
-        /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for the
-        /// profiles `trapezoid` and `table`, whose duration follows from other keys. The profile `constant_speed` has
-        /// no end.
+        /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for
+        /// `trapezoid` and `table`, whose duration follows from other keys, and for `constant_speed`, which has no end.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
         /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first

@@ -18,20 +18,20 @@ keys! {
         description: String => line();
     }
 
-    /// Several mechanisms can share a file with named parameters. State the path of the parameter file, relative to
-    /// the folder of the mechanism file. An FMU stores the path and the contents of the parameter file.
+    /// Several mechanisms can share a file with named parameters. The key `parameters_from` states the path of this
+    /// file, relative to the folder of the mechanism file. The FMU contains a copy of the shared file.
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
-        /// Copy of the file of shared parameters inside an FMU. Do not write the key `contents` yourself, because the
-        /// command `package` writes the key.
+        /// Copy of the file of shared parameters inside an FMU. The command `package` writes the key `contents`. Do not
+        /// write this key yourself.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
     /// The object `contents` is the content of the file of shared parameters.
     pub struct SharedContents {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;

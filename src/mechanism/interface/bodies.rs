@@ -131,7 +131,7 @@ pub(super) fn add_energy(b: &mut Builder) {
     b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, kinetic);
     let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
-    let text = "Energy error of the integration: present energy minus the energy at the start, minus the work of all \
+    let text = "Integration error as an energy: present energy minus the energy at the start, minus the work of all \
         loads since the start";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }

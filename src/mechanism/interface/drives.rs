@@ -58,7 +58,7 @@ pub(super) fn add_commands(b: &mut Builder) {
         let Some(law) = &drive.law else { continue };
         let (Some(law), Some(control)) = (law.control(), &a.control) else {
             let what = if drive.is_rotary { "torque" } else { "force" };
-            let text = ["Command of the drive ", name, ": factor that multiplies the ", what, "-speed curve"];
+            let text = ["Command of the drive ", name, ": factor of the ", what, "-speed curve"];
             b.load_input(&text, One, a.command());
             continue;
         };
@@ -136,7 +136,7 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
         let text =
-            [what, n, ": value that the prescribed motion needs, or the input of the drive if no motion is prescribed"];
+            [what, n, ": value for the prescribed motion, or the input of the drive while no motion is prescribed"];
         b.output(n, suffix, &text, unit, output, needs);
     }
 }
@@ -242,12 +242,12 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
     let text = "Derivative of the reduced mass or inertia with respect to the displacement of the drive @";
     add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
-    let text = "Sum of all loads that act at present, without the force of the drive itself, reduced to the drive @";
+    let text = "Sum of all present loads except the force of the drive, reduced to the drive @";
     add("static_load", "static_load", text, force, StaticLoad, load);
     let text = "Force or torque at the drive @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the \
         reduced mass";
     add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
-    let text = "Force or torque of the drive @ that gives the demanded acceleration, including friction and losses";
+    let text = "Force or torque of the drive @ that causes the demanded acceleration, including friction and losses";
     add("required_force", "required_force", text, force, RequiredForce, required);
     let text = "Force or torque of the drive @ that holds the mechanism at rest under the present loads, without \
         friction and losses";
@@ -272,7 +272,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
         let text = b.text(|| {
             let force =
-                ": no force of this drive gives the demanded acceleration, or no force of this drive starts a motion ";
+                ": no force of the drive causes the demanded acceleration, or no force of the drive starts a motion ";
             ["True while friction locks the mechanism against the drive ", n, force, "forward or backward"].concat()
         });
         let locking = Needs { statics: true, ..required };
@@ -302,7 +302,7 @@ fn add_by_body(b: &mut Builder, drive: usize, [mass, load]: [Needs; 2]) {
         let text = ["Mass (for a rotary drive: moment of inertia) of the body ", ", reduced to the drive "];
         add(suffix, text, unit, ReducedMass, mass);
         let unit = if is_rotary { NewtonMetre } else { Newton };
-        let text = ["Sum of all loads that act on the body ", " at present, reduced to the drive "];
+        let text = ["Sum of all present loads on the body ", ", reduced to the drive "];
         add("static_load", text, unit, StaticLoad, load);
         let (center, angle) = match is_rotary {
             true => (("effective_radius", Metre, CenterByDrive), ("ratio", One, DriveByAngle)),

@@ -125,7 +125,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         }
         Indicator::Lock(lock) => {
             let name = s.loading.locks[lock].name.as_str();
-            let text = ": distance to the position at which the lock catches the mechanism";
+            let text = ": distance to the position at which the lock holds the mechanism";
             ([name, ".indicator"].concat(), ["Event indicator of the lock ", name, text, ""])
         }
         Indicator::Reversal => (
@@ -134,7 +134,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         ),
         Indicator::Breakaway => {
             let text = "Event indicator: while friction or losses hold the mechanism at rest, acceleration without \
-                        what holds it";
+                friction and losses";
             (own("breakaway"), [text, "", "", ""])
         }
         Indicator::Turn(joint) => {

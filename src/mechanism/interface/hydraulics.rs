@@ -124,7 +124,7 @@ const OUTPUTS: &[Row] = &[
     (
         "cylinder",
         "stroke_position",
-        "Position of the piston, 0 with the rod fully retracted",
+        "Position of the piston; 0: fully retracted",
         Metre,
         Hydraulic::StrokePosition,
         [true, false, false],
@@ -132,8 +132,7 @@ const OUTPUTS: &[Row] = &[
     (
         "cylinder",
         "end_force",
-        "Force that an end of the cylinder exerts on the piston in contact with this end, positive in the direction of \
-         extension",
+        "Force of an end of the cylinder on the piston, positive in the direction of extension",
         Newton,
         Hydraulic::EndForce,
         [true, true, true],
@@ -270,7 +269,7 @@ fn add_outputs(b: &mut Builder) {
     let text = ["Stiffness of the oil in the cylinder of the drive ", name];
     b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
     let damping = Needs { speed: true, ..stiffness };
-    let text = ["Derivative of the friction of the seals with respect to the speed of the drive ", name];
+    let text = ["Derivative of the seal friction force with respect to the speed of the drive ", name];
     b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), damping);
     for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);

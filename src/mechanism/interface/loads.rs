@@ -12,7 +12,11 @@ use crate::variables::{Causality, Unit, Value};
 pub(super) fn add_inputs(b: &mut Builder) {
     let m = b.source.mechanism;
     if let Some(gravity) = &m.gravity {
-        b.load_input(&["Load factor: gravity as a multiple of gravity.acceleration"], One, gravity.load_factor);
+        b.load_input(
+            &["Load factor: factor of the gravity acceleration gravity.acceleration"],
+            One,
+            gravity.load_factor,
+        );
     }
     for (name, force) in m.forces.iter().filter(|(_, f)| !f.constant) {
         for (value, axis) in force.force.into_iter().zip(["x", "y"]) {

@@ -259,8 +259,8 @@ impl Linkage {
             let excess = shift.rem_euclid(std::f64::consts::TAU);
             if excess.min(std::f64::consts::TAU - excess) > 1e-9 {
                 let message = format!(
-                    "other prismatic joints hold the two bodies at an angle that differs from this angle by {shift} \
-                     rad: correct one of the angles"
+                    "other prismatic joints fix the angle between the two bodies at a value that differs from this \
+                        angle by {shift} rad: correct one of the angles"
                 );
                 return Err(DefinitionError::key(format_args!("joints.{}.angle", self.joints[joint].name), message));
             }

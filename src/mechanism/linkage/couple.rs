@@ -163,8 +163,8 @@ impl Linkage {
             return named.refused(
                 "second",
                 format_args!(
-                    "this point is on {}, as the point in the key first, so nothing is coupled: give a point of \
-                     another body",
+                    "this point and the point in the key first are on the same body {}, so nothing is coupled: give a \
+                        point of another body",
                     self.bodies[first.body].name
                 ),
             );

@@ -390,7 +390,8 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     if let Some(period) = reduced.period() {
         let revolutions = ((x - first) / period).floor();
         if revolutions.abs() > MOST_REVOLUTIONS {
-            let why = format!("the position state is {} m, which is too many revolutions to count", Decimal(x));
+            let why =
+                format!("the position state is {} m, which is more revolutions than the program can count", Decimal(x));
             return Err(NoValue::AtState(why));
         }
         return Ok(((x - revolutions * period).clamp(first, last), revolutions));

@@ -110,7 +110,7 @@ impl Told {
             What::Left { stop } => event(format!("the bumper {} no longer pushes the mechanism", name(stop))),
             What::Caught { stop } => {
                 self.series = None;
-                event(format!("a lock catches the mechanism at the stop {}", name(stop)))
+                event(format!("a lock holds the mechanism at the stop {}", name(stop)))
             }
             What::LetGo { stop } => event(format!("the lock at the stop {} releases the mechanism", name(stop))),
             What::Switched { lock, engaged } => {

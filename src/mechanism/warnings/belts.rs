@@ -32,9 +32,9 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
 pub fn of_slack_belt(name: &str, transmitted: f64, pretension: f64, when: &str) -> [String; 2] {
     let half = Decimal::rounded(0.5 * transmitted.abs());
     let message = format!(
-        "{name} transmits {} N{when}; half of the transmitted force, {half} N, exceeds the pretension of {} N: a \
-         belt would be slack in one span, where the computation has a compression of {} N, so the joint forces are \
-         wrong",
+        "{name} transmits {} N{when}; half of the transmitted force, {half} N, exceeds the pretension of {} N: one \
+            span of a belt would be slack, but in the computation this span has a compression of {} N, so the joint \
+            forces are wrong",
         Decimal::rounded(transmitted),
         Decimal::rounded(pretension),
         Decimal::rounded(0.5 * transmitted.abs() - pretension)

@@ -25,7 +25,8 @@ pub(super) fn warn_of_locking(mechanism: &Mechanism, reduced: &Reduced, all: &mu
         let terms = columns(&reduced.curve().closure, &c, std::slice::from_ref(load));
         let transmitted = terms[2][loss.joint].moment + terms[0][loss.joint].moment * load.influence(linkage, &c);
         if -transmitted * loss.radius < LEAST {
-            let message = "the first body, and what turns with this body, have no moment of inertia, so this coupling \
+            let message = "neither the first body nor a body that turns with the first body has a moment of inertia, \
+                so this coupling \
                            transmits no force and does not hold a load on the second body";
             let remedy = "give the first body an inertia";
             all.push(Finding::warning(format_args!("couplings.{name}.backward_efficiency"), message, remedy));

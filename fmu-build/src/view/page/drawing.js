@@ -319,7 +319,7 @@ class Drawing {
       const group = element("g", { class: "gap", "data-gap": gap.joint }, this.layers.gaps);
       element("path", { d: line([a, b]) }, group);
       for (const [x, y] of [a, b]) element("circle", { cx: fixed(x), cy: fixed(y), r: 7 }, group);
-      const words = `${gap.joint} open by ${length(gap.gap, this.data)}`;
+      const words = `${gap.joint}: ends ${length(gap.gap, this.data)} apart`;
       const text = element("text", { "text-anchor": "middle", y: fixed(Math.max(a[1], b[1]) + 28) }, group, words);
       const room = 4 * words.length + 10;
       text.setAttribute("x", fixed(Math.min(Math.max((a[0] + b[0]) / 2, room), Math.max(this.width - room, room))));

@@ -197,7 +197,7 @@ function fillControls() {
   const stops = [...new Set([...data.travel.stops.map((met) => data.scene.stops[met.stop].name), ...data.travel.ends.filter(Boolean)])];
   const ends = data.travel.is_closed && !stops.length ? "over one full cycle of the motion" : stops.length ? `between the ends of travel, with the stops ${stops.join(", ")}` : "from one end of the travel to the other end";
   const beyond = low || high ? "; the motion of the mechanism continues beyond this range" : "";
-  byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame. In the drawing, the wheel or two fingers zoom, and a drag moves the view.`;
+  byId("hint").textContent = `The slider Travel sets the position of the mechanism, independent of time, ${ends}${beyond}. Press Space to play the motion, and the arrow keys to move by one frame. To zoom the drawing, use the mouse wheel or two fingers. To move the drawing, drag it.`;
 }
 
 function onKey(event) {
@@ -358,17 +358,17 @@ function describe() {
   setTexts();
   const count = (n, word) => `${n} ${word}${n === 1 ? "" : "s"}`;
   const parts = scene ? `${count(scene.bodies.length - 1, "body").replace("bodys", "bodies")}, ${count(scene.joints.length, "joint")}, ${count(scene.actuators.length, "drive")}.` : "Nothing can be drawn.";
-  const gaps = (stands?.gaps ?? []).map((gap) => `${gap.joint} is open by ${length(gap.gap, page.data)}`).join(", ");
+  const gaps = (stands?.gaps ?? []).map((gap) => `the two points of ${gap.joint} are ${length(gap.gap, page.data)} apart`).join(", ");
   if (gaps) byId("error-text").append(document.createElement("br"), `In the position in the key guess, ${gaps}.`);
   const duration = motion ? ` Motion over ${shown((motion.count - 1) * motion.step, 4)} s.` : "";
   byId("drawing-description").textContent = parts + duration + (gaps ? ` In the position in the key guess, ${gaps}.` : "");
   const left = motion?.left_out ? ` ${motion.left_out} variables are not on this page.` : "";
-  const frames = motion ? `${motion.count} computed frames, interpolated in between. ` : "";
+  const frames = motion ? `${motion.count} computed frames, with interpolation between frames. ` : "";
   byId("about").textContent = `${frames}${parts}${left} Angles are positive anticlockwise. Values are in SI units and in display units. Built by linkage-fmu.`;
   if (stands) {
     byId("error-title").textContent = stands.is_assembled ? "The loops of this mechanism close, but the motion cannot be computed" : "The loops of this mechanism do not close; the drawing shows the positions of the guess";
   } else if (motion) {
-    byId("error-title").textContent = "The motion ends early";
+    byId("error-title").textContent = "The motion ends before the stop time";
   }
 }
 

@@ -10,8 +10,8 @@ use super::xml::{Element, Fate, Row, rejected, unread};
 use Fate::{LeftOut, NoEffect, Read, Rejected};
 use anyhow::{Context, Result, bail, ensure};
 
-const CONTROL: &str = "controllers and limits of motors are not a part of the mechanism";
-const SOFT: &str = "stops of a definition are rigid until a bumper is added";
+const CONTROL: &str = "controllers and motor limits are not parts of the mechanism";
+const SOFT: &str = "stops in the definition are rigid; you can replace a stop by a bumper";
 /// Limits of at least this size are no limits.
 const ENDLESS: f64 = 1e16;
 /// Largest number of frames that are stated relative to one another.
@@ -24,28 +24,31 @@ pub const TABLE: &[Row] = &[
     ("world/gravity", "", Read, "gravity, in the plane of motion"),
     ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
     ("sdf/model world/model", "name", Read, "name of the mechanism"),
-    ("sdf/model world/model", "canonical_link", Read, "the ground, if no joint holds a link on the world"),
+    ("sdf/model world/model", "canonical_link", Read, "name of the ground link, if no joint connects a link with the \
+        world"),
     ("sdf/model world/model", "placement_frame", Rejected(""), "a placement frame is not supported: write the pose of \
         the model frame instead"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "position and orientation"),
     ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and format of \
         the rotation in the pose"),
-    ("link/pose joint/pose frame/pose", "relative_to", Read, "frame to which the pose refers"),
+    ("link/pose joint/pose frame/pose", "relative_to", Read, "name of the frame to which the pose refers"),
     ("model/pose inertial/pose", "relative_to", Rejected(""), "the pose must refer to the world or to the link: \
         remove relative_to"),
-    ("model/static", "", Read, "links of a static model are the ground"),
+    ("model/static", "", Read, "if true, all links of the model are part of the ground"),
     ("model/frame", "", Read, "a frame for poses"),
     ("model/frame", "name attached_to", Read, "name of the frame, and the element to which the frame is fixed"),
     ("model/link", "", Read, "a body"),
     ("model/link", "name", Read, "name of the link"),
     ("link/gravity", "", Read, "with the value `false`, a constant force carries the weight of the link"),
     ("link/inertial", "", Read, "mass, centre and moment of inertia of the body"),
-    ("link/inertial", "auto", Rejected("false"), "masses are not computed from shapes: write mass and inertia"),
+    ("link/inertial", "auto", Rejected("false"), "`import` does not compute masses from shapes: write mass and \
+        inertia"),
     ("inertial/mass inertial/inertia", "", Read, "mass, moments of inertia"),
     ("inertia/ixx inertia/iyy inertia/izz inertia/ixy inertia/ixz inertia/iyz", "", Read, "moments of inertia"),
-    ("inertial/fluid_added_mass", "", Rejected(""), "a surrounding medium is not imported: remove this element"),
+    ("inertial/fluid_added_mass", "", Rejected(""), "`import` cannot convert a surrounding medium: remove this \
+        element"),
     ("link/collision", "", LeftOut, "bodies can pass through each other"),
-    ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves according to its joints"),
+    ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves as its joints allow"),
     ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink \
         link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "used only for drawing, \
         sensors, contacts or numerical damping"),
@@ -69,13 +72,14 @@ pub const TABLE: &[Row] = &[
     ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "damping, stiffness, and angle \
         or position at which the spring has no force"),
     ("dynamics/friction", "", Read, "constant friction of the joint"),
-    ("axis/mimic", "", Read, "a coupling by gears or a rack: multiplier (value - reference) + offset"),
-    ("axis/mimic", "joint axis", Read, "name of the joint that this joint follows"),
+    ("axis/mimic", "", Read, "a coupling by gears or a rack, with the ratio `multiplier`, the `reference` and the \
+        `offset`"),
+    ("axis/mimic", "joint axis", Read, "name of the joint that drives the present joint"),
     ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
     ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
-    ("joint/physics joint/sensor", "", NoEffect, "a setting of a solver or sensor, which this program does not use"),
-    ("model/model model/include world/include", "", Rejected(""), "nested and included models are not read: write the \
-        links and joints into one model (`gz sdf -p FILE` prints included models)"),
+    ("joint/physics joint/sensor", "", NoEffect, "a setting of a solver or sensor that `import` does not need"),
+    ("model/model model/include world/include", "", Rejected(""), "`import` does not read nested and included models: \
+        write the links and joints into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
     ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "used only for \
         contacts or by the numerical method"),

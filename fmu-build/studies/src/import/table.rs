@@ -139,7 +139,7 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
         add_joints(&mut own, row, of, &bodies)?;
     }
     if own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-        bail!("no joint is on the link \"ground\": name the fixed link ground");
+        bail!("no joint is on the link \"ground\": give the fixed link the name ground");
     }
     if own.drives.is_empty() {
         let is_input = |joint: &&Joint| {

@@ -121,7 +121,7 @@ fn mjcf_has_a_row_for_all_that_mujoco_has() {
 
 /// The table of a format as Markdown.
 fn written(table: &[Row]) -> String {
-    let mut text = "| element | attributes | what becomes of it |\n|---|---|---|\n".to_owned();
+    let mut text = "| element | attributes | treatment by `import` |\n|---|---|---|\n".to_owned();
     for (elements, names, fate, why) in table {
         let code = |all: &str| all.split_whitespace().map(|one| format!("`{one}`")).collect::<Vec<_>>().join(", ");
         let fate = match fate {
@@ -129,7 +129,7 @@ fn written(table: &[Row]) -> String {
             Fate::NoEffect => format!("no effect on the motion: {why}"),
             Fate::LeftOut => format!("left out, with a note: {why}"),
             Fate::Rejected("") => format!("rejected: {why}"),
-            Fate::Rejected(unless) => format!("rejected, unless `{unless}`: {why}"),
+            Fate::Rejected(unless) => format!("rejected, except for the value `{unless}`: {why}"),
         };
         writeln!(text, "| {} | {} | {fate} |", code(elements), code(names)).unwrap();
     }

@@ -13,7 +13,7 @@ use anyhow::{Context, Result, bail, ensure};
 /// A position and a rotation in space.
 pub type Frame = (Vector, Rotation);
 
-const CONTROL: &str = "controllers and limits of motors are not a part of the mechanism";
+const CONTROL: &str = "controllers and motor limits are not parts of the mechanism";
 
 /// Treatment of each element and attribute.
 #[rustfmt::skip]
@@ -28,7 +28,7 @@ pub const TABLE: &[Row] = &[
     ("inertial/inertia", "", Read, "moments of inertia"),
     ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "moments of inertia"),
     ("link/visual robot/material", "", NoEffect, "used only for drawing"),
-    ("link/collision", "", LeftOut, "these links can pass through each other"),
+    ("link/collision", "", LeftOut, "links of the definition can pass through each other"),
     ("robot/joint", "", Read, "a revolute or prismatic joint; other types are rejected"),
     ("robot/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
     ("joint/origin", "", Read, "position and orientation of the child link"),
@@ -37,7 +37,8 @@ pub const TABLE: &[Row] = &[
     ("joint/axis", "", Read, "axis of the joint"),
     ("joint/axis", "xyz", Read, "axis of the joint"),
     ("joint/mimic", "", Read, "a coupling by gears or a rack"),
-    ("joint/mimic", "joint multiplier offset", Read, "name of the joint that this joint follows, ratio and offset"),
+    ("joint/mimic", "joint multiplier offset", Read, "name of the joint that drives the present joint, ratio and \
+        offset"),
     ("joint/dynamics", "", Read, "a damper"),
     ("joint/dynamics", "damping", Read, "damping of the joint"),
     ("joint/dynamics", "friction", Read, "constant friction of the joint"),

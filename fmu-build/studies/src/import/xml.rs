@@ -263,7 +263,7 @@ fn walk(
                 bail!("{}: {name} = \"{}\": {why}", element.at(), value.escape_debug())
             }
             Some((.., Fate::LeftOut, why)) => note(format!("<{}> {name} is left out: {why}", element.tag)),
-            Some((.., Fate::Read, _)) => note(format!("<{}> {name} does not act here and is left out", element.tag)),
+            Some((.., Fate::Read, _)) => note(format!("<{}> {name} has no effect here and is left out", element.tag)),
             None => note(format!("<{}> {name} is unknown to the import and is left out", element.tag)),
         }
     }

@@ -14,23 +14,23 @@ use std::path::Path;
 keys! {
     /// A study: many runs of one mechanism.
     pub struct Definition {
-        /// Path of the JSON schema for a text editor. The program ignores this key.
+        /// Path of the JSON schema, for a text editor. The program does not use the key `$schema`.
         schema as "$schema": Option<String>;
         /// Description of the study, one line. The program ignores this key.
         description: Option<String>;
         /// Path of the mechanism, relative to the folder of the study.
         mechanism: String => Key::PLAIN.required();
-        /// Path of a parameter set of SSP (SSV file), relative to the folder of the study. All runs have the values of
-        /// the parameter set in common. Values in other keys of the study replace those of the parameter set.
+        /// Path of a parameter set of SSP (SSV file), relative to the folder of the study. The values of the parameter
+        /// set apply to all runs. Values in other keys of the study replace values of the parameter set.
         parameters_file: Option<String>;
-        /// Start values that all runs have in common, by the name of the variable.
+        /// Start values that are equal in all runs, by the name of the variable.
         start_values: Named<Setting>;
         /// Parameters and inputs that differ between the runs, by the name of the variable.
         factors: Named<Factor>;
-        /// Path of a CSV file with combinations of values of factors, relative to the folder of the study. The file has
-        /// one column for each factor whose values are in the file, and one line for each combination.
+        /// Path of a CSV file with combinations of values of factors, relative to the folder of the study. Each column
+        /// of the CSV file is a factor, and each line is one combination of values.
         points: Option<String>;
-        /// How the program draws samples of the factors that have a distribution.
+        /// Number and kind of the random samples of factors with a distribution.
         sampling: Option<Sampling>;
         /// Duration, inputs and communication steps of each run.
         scenario: Scenario;
@@ -65,7 +65,7 @@ keys! {
     pub struct Search: Copy {
         /// Largest number of runs of the search.
         evaluations: u64 => Key::PLAIN.required();
-        /// Start value of the random number generator (seed). Another seed gives another search.
+        /// Start value of the random number generator (seed). A different seed results in a different search.
         seed: u64;
     }
 
@@ -93,24 +93,24 @@ keys! {
         standard_deviation: f64 => Key::PLAIN.required();
     }
 
-    /// How the program draws samples of the factors that have a distribution.
+    /// Number and kind of the random samples of factors with a distribution.
     pub struct Sampling: Copy {
         /// Method of sampling.
         method: Method => Key::PLAIN.required();
         /// Number of samples, at least 1.
         count: u64 => Key::PLAIN.required();
-        /// Start value of the random number generator (seed). Another seed gives other samples.
+        /// Start value of the random number generator (seed). A different seed results in different samples.
         seed: u64;
     }
 
     /// Duration, inputs and communication steps of each run.
     pub struct Scenario {
-        /// Time at which each run ends [s]. Without this key, a run ends at the stop time of the default experiment of
-        /// the mechanism.
+        /// Time at which each run ends [s]. Default: stop time of the default experiment of the mechanism.
         stop_time: Option<f64>;
-        /// Name of the flag of a stop. A run ends when this flag becomes true, but at the latest at the stop time.
+        /// Name of the Boolean output of a stop (its key `flag`). A run ends when this output becomes true, and at the
+        /// latest at the stop time.
         stop_at: Option<String>;
-        /// Time between two communication points [s]. Without this key, each run is one communication step.
+        /// Time between two communication points [s]. Default: each run is one communication step.
         output_interval: Option<f64>;
         /// Inputs over time, by the name of the input.
         inputs: Named<Input>;
@@ -120,7 +120,8 @@ keys! {
 
     /// A response: exactly one key with the name of a variable. The key `times` belongs to the key `course`.
     pub struct Response {
-        /// Name of the flag of a stop. The recorded value is the time of the first impact on this stop [s].
+        /// Name of the Boolean output of a stop (its key `flag`). The recorded value is the time of the first impact on
+        /// this stop [s].
         event: Option<String>;
         /// Value of the variable at the end of the run.
         last as "final": Option<String>;
@@ -148,8 +149,8 @@ words! {
         LatinHypercube = "latin_hypercube",
         /// Sobol's sequence with a random digital shift.
         Sobol = "sobol",
-        /// Sampling plan by Saltelli, from which Sobol's sensitivity indices are computed. The plan contains two sets
-        /// of `count` points. For each factor, the plan contains a further set: the points of the first set, with the
+        /// Saltelli's sampling plan, for the calculation of Sobol's sensitivity indices. The plan contains two sets of
+        /// `count` points. For each factor, the plan contains one more set: the points of the first set, with the
         /// values of this factor from the second set.
         Saltelli = "saltelli",
     }

@@ -51,8 +51,8 @@ impl Journal {
             .with_context(|| format!("{shown}: cannot be opened"))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             bail!(
-                "{shown}: another run of the program is writing this file; wait until the other run ends, or give \
-                 another folder with --out"
+                "{shown}: another process of the program is writing this file; wait until the other process ends, or \
+                    give another folder with --out"
             );
         }
         let journal = |file: &mut File| -> std::io::Result<Option<(Records, u64)>> {
@@ -67,8 +67,8 @@ impl Journal {
         let known = journal(&mut file).with_context(|| format!("{shown}: cannot be read"))?;
         let Some((done, end)) = known else {
             bail!(
-                "{shown}: this file belongs to another study, or the study or the mechanism has changed since; give \
-                 another folder with --out"
+                "{shown}: this file belongs to another study, or the study or the mechanism has changed since the \
+                    file was written; give another folder with --out"
             );
         };
         file.set_len(end).with_context(|| format!("{shown}: cannot be written"))?;

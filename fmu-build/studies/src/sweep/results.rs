@@ -126,7 +126,7 @@ impl<F: Format> Partial<F> {
         partial.push(".partial");
         let partial = Unfinished(PathBuf::from(partial));
         let shown = || partial.0.display();
-        let file = File::create(&partial.0).with_context(|| format!("{}: cannot be made", shown()))?;
+        let file = File::create(&partial.0).with_context(|| format!("{}: cannot be created", shown()))?;
         let format = F::begin(file, columns, seed).with_context(|| format!("{}: cannot be written", shown()))?;
         Ok(Self { format, path: path.to_path_buf(), partial })
     }

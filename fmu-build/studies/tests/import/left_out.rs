@@ -22,7 +22,8 @@ fn gears_and_bounds_of_drives() {
         &notes(Form::Mjcf, &text),
         &[
             "line 20: <motor \"m\">: the input of the drive bearing_drive is the force or torque itself, 50 times",
-            "<motor> ctrlrange is left out: the drive follows its input at once and without limits (line 20)",
+            "<motor> ctrlrange is left out: the drive of the definition follows its input without delay and without \
+                limits (line 20)",
             "<motor> forcerange is left out",
         ],
     );
@@ -72,7 +73,7 @@ fn limits_of_urdf() {
     let shapes = URDF.replace("<inertial>", "<collision/><inertial>");
     assert_says(
         &notes(Form::Urdf, &shapes),
-        &["<collision> is left out: these links can pass through each other (line 3, line 5)"],
+        &["<collision> is left out: links of the definition can pass through each other (line 3, line 5)"],
     );
     let safe = URDF.replacen("<limit ", r#"<safety_controller k_velocity="1"/><limit "#, 1);
     assert_says(&notes(Form::Urdf, &safe), &["<safety_controller> is left out"]);

@@ -42,7 +42,7 @@ class SimulationError(LinkageError, RuntimeError):
 
 
 class InternalError(LinkageError, RuntimeError):
-    """An internal fault of the package. The Python interpreter continues after the fault. Please report the fault."""
+    """An internal error of the package. The Python interpreter continues after the error. Please report the error."""
 
 
 class LinkageWarning(UserWarning):
@@ -54,6 +54,21 @@ def wrong(argument: str, given: Any, expected: str) -> NoReturn:  # noqa: ANN401
     shown = repr(given)
     shown = shown if len(shown) <= 60 else f"{shown[:60]}..."
     raise InputTypeError(f"{argument} = {shown}: must be {expected}")
+
+
+def require(package: str) -> None:
+    """Import a package that the user may not have installed.
+
+    Raises:
+        ModuleNotFoundError: the package is not installed.
+    """
+    try:
+        __import__(package)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        text = f"this call needs the Python package {package}; run: pip install {package}"
+        raise ModuleNotFoundError(text, name=package) from None
 
 
 def file(argument: str, given: Any) -> str:  # noqa: ANN401

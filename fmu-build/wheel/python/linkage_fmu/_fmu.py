@@ -10,13 +10,14 @@ from pathlib import Path
 from typing import Any
 
 from . import _engine
+from ._definition import Source
 from ._errors import file
-from ._mechanism import Mechanism, Source
+from ._mechanism import Mechanism
 
 
 class Info(dict[str, Any]):
-    """Interface of an FMU or of a definition, with the content that the command `linkage-fmu info --json` prints. The
-    function `print` shows the variables and the other data of the interface as a table."""
+    """Interface of an FMU or of a definition: variables, units, platforms and requirements. The content is equal to
+    the output of the command `linkage-fmu info --json`. The function `print` shows the interface as a table."""
 
     def __init__(self, stated: dict[str, Any], text: str) -> None:
         super().__init__(stated)
@@ -28,14 +29,13 @@ class Info(dict[str, Any]):
 
 @dataclass(frozen=True)
 class Validation:
-    """Result of the check of an FMU. In a condition, the result of the check counts as true if the FMU has no
-    error."""
+    """Result of the check of an FMU. The condition `if validation:` is true if the FMU has no error."""
 
-    #: Errors: reasons why the FMU cannot be used.
+    #: List of errors. An FMU with an error cannot be used.
     errors: tuple[str, ...]
-    #: Warnings: properties of the FMU that are probably mistakes.
+    #: List of warnings: properties of the FMU that are probably mistakes.
     warnings: tuple[str, ...]
-    #: Notes: requirements for the computer that loads the FMU.
+    #: List of requirements that the computer must meet to load the FMU.
     notes: tuple[str, ...]
 
     def __bool__(self) -> bool:
@@ -48,11 +48,11 @@ class Validation:
 
 
 def info(path: str | os.PathLike[str]) -> Info:
-    """Return variables, units, platforms and requirements of an FMU (also an FMU of another program) or of a
-    definition.
+    """Return the variables, units, platforms and requirements of a definition or of an FMU. The FMU can also come from
+    another program.
 
     Raises:
-        InputError: the path leads to no FMU and to no definition.
+        InputError: neither an FMU nor a definition exists at the path.
     """
     text, stated = _engine.info(file("path", path))
     return Info(json.loads(stated), text)
@@ -62,7 +62,7 @@ def validate(path: str | os.PathLike[str]) -> Validation:
     """Check that an FMU is complete: archive, modelDescription.xml, libraries, and definition.
 
     Raises:
-        InputError: the path leads to no FMU and to no definition.
+        InputError: neither an FMU nor a definition exists at the path.
     """
     found: dict[str, list[str]] = json.loads(_engine.validate(file("path", path)))
     return Validation(tuple(found["errors"]), tuple(found["warnings"]), tuple(found["notes"]))
@@ -74,11 +74,13 @@ def package(
     fmi: str | int = "both",
     platforms: Sequence[str] = (),
 ) -> list[Path]:
-    """Build FMUs from a definition, and write the FMUs into the folder `path`. The arguments `path`, `fmi` and
+    """Build FMUs from a definition of a mechanism, and write the FMUs into the folder `path`. The arguments `path`,
+    `fmi` and
     `platforms` have the same meaning as in `Mechanism.package`.
 
     Raises:
         MechanismError: the definition contains errors.
-        InputError: the package has no library for one of the platforms, or the folder cannot be written.
+        InputError: the Python package contains no compiled library for one of the platforms, or the folder `path`
+            cannot be written.
     """
     return Mechanism(source).package(path, fmi, platforms)

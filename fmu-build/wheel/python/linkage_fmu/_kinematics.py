@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError, wrong
+from ._errors import InputError, require, wrong
 from ._mechanism import Mechanism, StartValue
 
 if TYPE_CHECKING:
@@ -52,8 +52,8 @@ class Kinematics:
         return found
 
     def second_influence(self, of: str, by: str) -> Array:
-        """Return the second influence coefficient d2(of) / d(by)2 at each position. The value is not a number if one of
-        the two outputs is not a position.
+        """Return the second influence coefficient d2(of) / d(by)2 at each position. If `of` or `by` is not a position,
+        the second influence coefficient is NaN.
 
         The acceleration of `of` is `influence(of, by)` times the acceleration of `by`, plus `second_influence(of, by)`
         times the square of the speed of `by`.
@@ -68,6 +68,7 @@ class Kinematics:
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the computed values as a pandas data frame with one row for each position."""
+        require("pandas")
         import pandas
 
         frame = pandas.DataFrame(self._values)

@@ -15,7 +15,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 
 @dataclass(frozen=True)
 class LinearModel:
-    """Linear model of small motions about rest at one position: x' = A x + B u, y = C x + D u. The state x consists of
+    """Linear model of small motions of a mechanism about one position at rest: x' = A x + B u, y = C x + D u. The
+    state x consists of
     one coordinate of the mechanism, the time derivative of this coordinate, and the integral parts of controllers."""
 
     #: Name of the coordinate.
@@ -24,18 +25,18 @@ class LinearModel:
     inputs: tuple[str, ...]
     #: Names of the outputs y of the linear model.
     outputs: tuple[str, ...]
-    #: Value of the coordinate at the position of the linear model [rad or m].
+    #: Value of the coordinate at the position about which the linear model is valid [rad or m].
     position: float
     #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
     acceleration: float
     #: Value of the input that keeps the mechanism at rest [N or N.m]. The value is None if the argument `held_by` was
     #: not given.
     holding: float | None
-    #: Eigenfrequency of the small undamped motion about the position [Hz]. The eigenfrequency is NaN if the motion is
-    #: not an oscillation.
+    #: Eigenfrequency of small undamped motions about the position [Hz]. The eigenfrequency is NaN if these motions are
+    #: not oscillations.
     eigenfrequency: float
-    #: Damping ratio of the small motion about the position [1]. The damping ratio is NaN if the motion is not an
-    #: oscillation.
+    #: Damping ratio of small motions about the position [1]. The damping ratio is NaN if these motions are not
+    #: oscillations.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].
     eigenvalues: tuple[complex, ...]

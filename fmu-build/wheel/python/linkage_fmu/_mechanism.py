@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _FOLDER, _engine
+from ._definition import Source, is_text, read
 from ._errors import InputError, LinkageWarning, MechanismError, SimulationError, file, wrong
 from ._report import Fact, Report, report
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from ._page import Page
     from ._result import Columns, Result
 
-#: Form of a definition: a path, a dictionary, or the text of a file.
-Source = str | os.PathLike[str] | Mapping[str, Any]
 #: A start value: a number in SI units, a truth value, a text with a unit such as "45 deg", or the name of an item.
 StartValue = float | bool | str
 
@@ -51,37 +50,6 @@ class Variable:
     description: str
 
 
-def read(source: Source) -> tuple[str, str, str]:
-    """Kind, place and text of a definition."""
-    if isinstance(source, Mapping):
-        text = as_json("source", source)
-    elif isinstance(source, str) and source.lstrip().startswith("{"):
-        text = source
-    elif isinstance(source, str | os.PathLike):
-        return _engine.read(file("source", source))
-    else:
-        wrong("source", source, "a path, a dict or a text")
-    try:
-        return _engine.kind_of(text), "definition", text
-    except UnicodeEncodeError as error:
-        raise InputError(f"source: the text has a character that UTF-8 has not: {error}") from None
-
-
-def check(source: Source) -> Report:
-    """Check a definition. The report contains all findings (errors and warnings) and computed facts about the
-    mechanism, also if the definition has errors.
-
-    Args:
-        source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
-            FMU. The definition can also be a dict or a JSON text.
-
-    Raises:
-        InputError: the path in `source` leads to no definition.
-    """
-    kind, shown, text = read(source)
-    return report(kind, text, shown)
-
-
 def examples() -> list[str]:
     """Return the names of the example mechanisms in the package."""
     folder = Path(_FOLDER or ".") / "modelDescription"
@@ -102,18 +70,6 @@ def example(name: str) -> Mechanism:
     return Mechanism(Path(_FOLDER or ".") / "modelDescription" / name)
 
 
-def as_json(argument: str, stated: Mapping[str, Any]) -> str:
-    """A dict as JSON text.
-
-    Raises:
-        InputError: it has something that JSON has not.
-    """
-    try:
-        return json.dumps(stated, indent=2, ensure_ascii=False, allow_nan=False)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"{argument}: the dict cannot be written as JSON: {error}") from None
-
-
 class Mechanism:
     """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the model.
 
@@ -123,13 +79,12 @@ class Mechanism:
 
     Raises:
         MechanismError: the definition contains errors. The attribute `report` of the exception contains all findings.
-        InputError: the path in `source` leads to no definition.
+        InputError: no definition exists at the path in `source`.
     """
 
     def __init__(self, source: Source) -> None:
         self._kind, self._shown, self._text = read(source)
-        is_text = isinstance(source, Mapping) or (isinstance(source, str) and source.lstrip().startswith("{"))
-        self._path = None if is_text else Path(file("source", source))
+        self._path = None if is_text(source) else Path(file("source", source))
         try:
             self._model = _engine.Model(self._kind, self._text)
         except InputError:
@@ -159,20 +114,20 @@ class Mechanism:
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
-        """Return all static equilibria along the travel under the loads at the start, stable and unstable, as a list of
-        `Fact` objects.
+        """Return all stable and unstable static equilibria along the travel as a list of `Fact` objects. The loads are
+        the loads at the start of a simulation.
 
-        In each `Fact` object, `stable position` or `unstable position` is the value of the coordinate at the
-        equilibrium [rad or m]. The attribute `of` of the `Fact` object is the name of the coordinate.
+        In each `Fact` object, the quantity `stable position` or `unstable position` is the value of the coordinate at
+        the equilibrium [rad or m]. The attribute `of` of the `Fact` object is the name of the coordinate.
         """
         return self.check().about("Equilibria")
 
     def to_json(self) -> str:
-        """Return the definition as JSON text, exactly as it was given."""
+        """Return the definition of the mechanism as the original JSON text."""
         return self._text
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the definition as a dict."""
+        """Return the definition of the mechanism as a dict."""
         found: dict[str, Any] = json.loads(self._text)
         return found
 
@@ -194,26 +149,27 @@ class Mechanism:
             start_time: time at the start of the simulation [s].
             stop_time: time at the end of the simulation [s]. By default, the simulation ends at the stop time of the
                 default experiment.
-            output_interval: time from one row of the result to the next [s]. The default is the step size of the
-                default experiment, doubled until the result has at most 1001 rows.
+            output_interval: time between two rows of the result [s]. The default is the step size of the default
+                experiment. If the result then has more than 1001 rows, the default step size is doubled until the
+                result has at most 1001 rows.
             relative_tolerance: relative tolerance of the integration. By default, the tolerance of the definition is
                 used.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
                 unit such as "45 deg", a truth value, or an enumeration item.
-            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If a
-                time occurs twice, the inputs jump at this time.
+            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame with
+                the column or the index `time`. If two rows have the same time, the inputs jump at this time.
             output: names of the variables to record. By default, all outputs are recorded.
-            set_input_derivatives: True also sets the time derivatives of the inputs in `input`.
+            set_input_derivatives: True: the simulation also sets the time derivatives of the inputs in `input`.
 
         Returns:
-            A structured numpy array with the field `time` and one field for each variable. Ctrl-C ends the simulation
-            between two rows.
+            A structured numpy array with the field `time` and one field for each variable. Ctrl-C stops a running
+            simulation.
 
         Raises:
-            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
-                GB.
-            SimulationError: the simulation ends early. The attribute `result` of the exception contains the rows up to
-                the end of the simulation.
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
+                of memory.
+            SimulationError: the simulation stops before the stop time. The attribute `result` of the exception contains
+                the rows of the result up to this time.
         """
         columns = self._recorded(output)
         given = None
@@ -229,7 +185,7 @@ class Mechanism:
             relative_tolerance,
             start_values,
             given,
-            bool(set_input_derivatives),
+            set_input_derivatives,
         )
         result = columns.result(rows, (self, dict(start_values) if start_values else {}, input is not None))
         for line in lines:
@@ -251,22 +207,23 @@ class Mechanism:
         the outputs at the stop time of each run.
 
         Args:
-            start_values: start values of inputs and parameters, by name. An array or a list has one number in SI units
-                for each run. Any other value has the same form as for `simulate`, and all runs share it.
-            stop_time: time at the end of each run [s]. With the stop time 0, the result has the outputs at the start.
-                By default, each run ends at the stop time of the default experiment.
-            output: names of the variables in the result. By default, the result has all outputs.
+            start_values: start values of inputs and parameters, by name. An array or a list contains one number in SI
+                units for each run. Any other start value has the same form as in `simulate` and applies to all runs.
+            stop_time: time at the end of each run [s]. With the stop time 0, the result contains the outputs at the
+                start position. By default, each run ends at the stop time of the default experiment.
+            output: names of the variables in the result. By default, the result contains all outputs.
             threads: number of runs at the same time. The default is the number of processor cores.
 
         Returns:
-            A structured numpy array with one row for each run. The fields are the start values that are arrays, and the
-            outputs. The values of a run agree with `simulate` within the tolerance, and do not depend on the other
-            runs. If a run fails, its outputs are NaN. If an output has no value, this output alone is NaN. A warning of
-            the class `LinkageWarning` states the number of these runs, and the reason for the first of them.
+            A structured numpy array with one row for each run. The fields of the array are the outputs, and the start
+            values that differ between the runs. The outputs of a run do not depend on the other runs, and agree with
+            the result of `simulate` within the tolerance. If a run fails, all outputs of the run are NaN. If only one
+            output of a run has no value, only this output is NaN. A warning of the class `LinkageWarning` states the
+            number of runs with NaN, and the reason for the first NaN.
 
         Raises:
-            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2
-                GB.
+            InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
+                of memory.
         """
         from ._many import simulate_many
 
@@ -286,7 +243,7 @@ class Mechanism:
         return columns
 
     def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
-        """Return a simulation with the given start values, for a loop in which your program makes the steps. Call the
+        """Return a simulation with the given start values. Your program advances the simulation step by step. Call the
         method `initialize` of the simulation before the first step.
 
         Raises:
@@ -300,11 +257,11 @@ class Mechanism:
         outputs: Iterable[str] | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> Kinematics:
-        """Compute positions, influence coefficients and static quantities along the travel, without a simulation over
-        time.
+        """Compute positions, influence coefficients and static quantities along the travel of the mechanism, without a
+        simulation over time.
 
-        Without masses, the result contains positions and influence coefficients only. A prescribed motion has no effect
-        on the result.
+        For a mechanism without masses, the result contains only positions and influence coefficients. A prescribed
+        motion has no effect on the result.
 
         Args:
             count: number of equal parts into which the travel is divided. The result of `kinematics` has `count` + 1
@@ -329,22 +286,23 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> LinearModel:
-        """Linearise the equations of motion about rest at the start position: x' = A x + B u, y = C x + D u. The state
+        """Linearise the equations of motion at the start position, with the mechanism at rest: x' = A x + B u, y = C x
+        + D u. The state
         x consists of one coordinate of the mechanism and the time derivative of this coordinate.
 
         Args:
             coordinate: name of the coordinate: an angle [rad] or a position [m]. By default, the coordinate is the one
                 in the key `start` of the definition.
-            inputs: names of the inputs u of the linear model. By default, the inputs u are all inputs on which the
+            inputs: names of the inputs u of the linear model. By default, u contains all inputs on which the
                 acceleration depends.
-            outputs: names of the outputs y of the linear model. By default, the only output y is the coordinate.
+            outputs: names of the outputs y of the linear model. By default, y contains only the coordinate.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name in the arguments of the method is not known.
-            SimulationError: the mechanism cannot be linearised, because it has further states, such as the pressures of
-                a hydraulic circuit.
+            InputError: a name in the arguments is not the name of a variable.
+            SimulationError: the mechanism cannot be linearised, because the mechanism has additional states, such as
+                the pressures of a hydraulic circuit.
         """
         from ._linear import linearise
 
@@ -359,7 +317,8 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> list[LinearModel]:
-        """Linearise the equations of motion about rest at `count` + 1 positions of the travel, at most 100001. All
+        """Linearise the equations of motion at `count` + 1 positions of the travel (at most 100001), with the
+        mechanism at rest. All
         arguments except `count` have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the
         call returns.
         """
@@ -404,18 +363,19 @@ class Mechanism:
         results: bool = True,
     ) -> list[Path]:
         """Build FMUs of the mechanism, and write the FMUs into the folder `path`. The method returns a list of the
-        paths of the FMUs. The FMU of FMI 2.0 is the first in the list.
+        paths of the FMUs. The first path in the list is the FMU of FMI 2.0.
 
         Args:
-            path: folder for the FMUs. If the folder does not exist, the method creates the folder.
+            path: folder for the FMUs. If the folder does not exist, `package` creates the folder.
             fmi: FMI version of the FMU: 2, 3 or "both".
-            platforms: platforms of the libraries in the FMU, such as "x86_64-windows". By default, the FMU contains the
-                library for the platform of this computer.
-            animation: True adds an animation of the default experiment to the FMU.
-            results: True adds reference results of the default experiment to the FMU.
+            platforms: platforms on which the FMU can run, such as "x86_64-windows". By default, the FMU runs on the
+                platform of the present computer.
+            animation: True: the FMU contains an animation of the default experiment.
+            results: True: the FMU contains reference results of the default experiment.
 
         Raises:
-            InputError: the package has no library for one of the platforms, or the folder cannot be written.
+            InputError: the Python package contains no compiled library for one of the platforms, or the folder `path`
+                cannot be written.
         """
         if self._path is not None:
             return self._packed(self._path, (path, fmi, platforms, animation, results))
@@ -429,7 +389,7 @@ class Mechanism:
         if isinstance(platforms, str):
             platforms = [platforms]
         out = file("path", path)
-        paths, _ = _engine.package(str(source), out, str(fmi), platforms, bool(animation), bool(results))
+        paths, _ = _engine.package(str(source), out, str(fmi), platforms, animation, results)
         return [Path(made) for made in paths]
 
     def __repr__(self) -> str:

@@ -12,7 +12,7 @@ from ._errors import InputError, file, wrong
 
 
 class Page:
-    """One HTML page that needs no other files. A notebook displays the page in the output of a cell."""
+    """Web page (HTML) that needs no other files. A notebook displays the web page in the output of a cell."""
 
     def __init__(self, text: str, height: int) -> None:
         if isinstance(height, bool) or not isinstance(height, int):

@@ -17,15 +17,16 @@ class Finding:
 
     #: Severity of the finding: `error` or `warning`.
     severity: str
-    #: Path of the key, such as `bodies.crank.length`. The path is empty if the finding concerns the whole file.
+    #: Path of the key with the error or warning, such as `bodies.crank.length`. The path is empty if the finding
+    #: concerns the whole file.
     path: str
-    #: Description of the fault, with the wrong value and the allowed limit.
+    #: Description of the error or warning, with the wrong value and the limit.
     message: str
-    #: How to correct the fault. The text is empty if the attribute `message` already states the correction.
+    #: Correction of the error or warning. The text is empty if the attribute `message` already states the correction.
     remedy: str
-    #: Line of the finding in the text of the definition, counted from 1.
+    #: Line number of the finding in the text of the definition. The first line is 1.
     line: int
-    #: Column of the finding in the text of the definition, counted from 1.
+    #: Column number of the finding in the text of the definition. The first column is 1.
     column: int
 
     def __str__(self) -> str:
@@ -55,12 +56,12 @@ class Fact:
 
     #: Topic of the fact, such as `Travel`.
     topic: str
-    #: Name of the coordinate, actuator (drive), joint or other element to which the fact belongs. The name is empty for
-    #: a fact about the whole model.
+    #: Name of the coordinate, drive, joint or other element that the fact describes. The name is empty for a fact about
+    #: the whole model.
     of: str
-    #: Numbers that the fact states, with names and units.
+    #: Numbers of the fact, with names and units.
     quantities: tuple[Quantity, ...]
-    #: Further information about the fact in words, in addition to the numbers. The text can be empty.
+    #: Additional explanation of the fact in words. The text can be empty.
     text: str
 
     def __getitem__(self, name: str) -> float:
@@ -92,17 +93,16 @@ class Report:
 
     @property
     def errors(self) -> list[Finding]:
-        """List of errors: findings with which no model can be built."""
+        """List of errors. A definition with an error cannot be simulated."""
         return [finding for finding in self.findings if finding.severity == "error"]
 
     @property
     def warnings(self) -> list[Finding]:
-        """List of warnings: the model runs, but the definition probably contains a mistake."""
+        """List of warnings. A definition with a warning can be simulated, but probably contains a mistake."""
         return [finding for finding in self.findings if finding.severity == "warning"]
 
     def about(self, topic: str) -> list[Fact]:
-        """Return the computed facts about the mechanism whose topic starts with the given text, such as `Travel` or
-        `Equilibri`."""
+        """Return the facts whose topic starts with the text in `topic`, such as `Travel` or `Equilibri`."""
         if not isinstance(topic, str):
             wrong("topic", topic, "a text")
         return [fact for fact in self.facts if fact.topic.startswith(topic)]

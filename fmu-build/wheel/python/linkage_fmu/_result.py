@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError, wrong
+from ._errors import InputError, require, wrong
 
 if TYPE_CHECKING:
     import pandas
@@ -43,6 +43,9 @@ class Columns:
 
 def signals(given: Any) -> Signals:  # noqa: ANN401
     """Times and columns of inputs over time."""
+    if "time" in getattr(getattr(given, "index", None), "names", ()):
+        # A data frame as from Result.to_pandas.
+        given = given.reset_index()
     names = getattr(getattr(given, "dtype", None), "names", None)
     if names is None and (isinstance(given, dict) or hasattr(given, "columns")):
         names = list(given)
@@ -70,7 +73,7 @@ class Result(np.ndarray[Any, Any]):
     """Result of a simulation: a structured array with the field `time` [s] and one field for each variable, in SI
     units. A result of `simulate_many` has one row for each run, and no field `time`.
 
-    The function `fmpy.plot_result` and other functions for results of FMPy can process this array.
+    Functions of FMPy for simulation results, such as `fmpy.plot_result`, can process a `Result`.
     """
 
     #: Unit of each column.
@@ -95,8 +98,10 @@ class Result(np.ndarray[Any, Any]):
         return super().__getitem__(key)
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the result as a pandas data frame. The index is the time, or the number of the run in a result of
-        `simulate_many`. The attribute `attrs["units"]` of the data frame contains the units of the columns."""
+        """Return the result as a pandas data frame. The index of the data frame is the time. For a result of
+        `simulate_many`, the index is the number of the run. The attribute `attrs["units"]` of the data frame contains
+        the units of the columns."""
+        require("pandas")
         import pandas
 
         if "time" in self.names:
@@ -109,7 +114,7 @@ class Result(np.ndarray[Any, Any]):
         return frame
 
     def plot(self, *names: str, x: str = "time", show: bool = False) -> Figure:
-        """Plot variables over the time or over another variable with matplotlib. The plot has one diagram for each
+        """Plot variables over time, or over another variable, with matplotlib. The plot contains one diagram for each
         unit.
 
         Args:
@@ -120,11 +125,14 @@ class Result(np.ndarray[Any, Any]):
         Raises:
             InputError: the result does not contain a variable with the given name.
         """
+        require("matplotlib")
         from matplotlib import pyplot
 
         for name in (x, *names):
             if not isinstance(name, str):
                 wrong("a name", name, "the name of a variable, a text")
+        if not isinstance(show, bool | np.bool_):
+            wrong("show", show, "True or False")
         self[x]
         chosen = list(names) or [name for name in self.names if name != x]
         groups: dict[str, list[str]] = {}
@@ -155,13 +163,13 @@ class Result(np.ndarray[Any, Any]):
         in the output of a cell.
 
         Raises:
-            InputError: the simulation had inputs over time, which the web page cannot show.
+            InputError: the inputs of the simulation changed over time. The web page can show only constant inputs.
         """
         if self._origin is None or not len(self):
-            raise InputError("this array is no whole result of simulate, and cannot be animated")
+            raise InputError("only a complete result of simulate can be animated, not a part of a result")
         mechanism, start_values, has_input = self._origin
         if has_input:
-            raise InputError("a run with input signals cannot be animated; use mechanism.view(start_values=...)")
+            raise InputError("a run with inputs over time cannot be animated; use mechanism.view(start_values=...)")
         return mechanism.view(float(self["time"][-1]), start_values, height)
 
     def _repr_html_(self) -> str | None:

@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _engine
-from ._errors import InputError, file, wrong
-from ._mechanism import Mechanism, as_json
+from ._definition import as_json
+from ._errors import InputError, file, require, wrong
+from ._mechanism import Mechanism
 
 if TYPE_CHECKING:
     import pandas
@@ -99,6 +100,8 @@ def _made(
     threads, progress = how
     if not (isinstance(progress, bool) or callable(progress)):
         wrong("progress", progress, "True, False or a function")
+    # Without pandas, the results of all runs would be lost.
+    require("pandas")
     bar = _Bar() if progress is True else None
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -107,6 +110,11 @@ def _made(
         watch = bar if bar is not None else progress if callable(progress) else None
         try:
             log = task(str(path), str(results), threads, watch)
+        except InputError as error:
+            if path.parent != folder:
+                raise
+            # The user did not write this file.
+            raise type(error)(str(error).replace(str(path), "study")) from None
         finally:
             if bar is not None:
                 bar.close()
@@ -114,6 +122,7 @@ def _made(
 
 
 def _table(path: Path, log: str) -> pandas.DataFrame:
+    require("pandas")
     import pandas
 
     with path.open(encoding="utf-8", newline="") as file:
@@ -145,17 +154,17 @@ def sweep(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> pandas.DataFrame:
-    """Make all runs of a study. The result is a data frame with one row for each run. The row of a failed run states
-    the reason of the failure.
+    """Simulate all runs of a study. Return a data frame with one row for each run. The row of a failed run states the
+    reason for the failure.
 
     Args:
         study: path of a study file, or a dict with the keys of a study. Paths in a study are relative to the folder of
             the study file or, for a dict, to the current folder.
-        mechanism: mechanism that replaces the key `mechanism` of the study.
-        out: folder for the files of results (runs.parquet, runs.csv).
+        mechanism: mechanism that `sweep` simulates instead of the mechanism in the key `mechanism` of the study.
+        out: folder into which `sweep` writes the results (files runs.parquet and runs.csv).
         threads: number of threads. By default, one thread runs on each processor core.
-        progress: True shows a progress bar. If `progress` is a function, `sweep` calls the function with the number of
-            finished runs and the number of all runs.
+        progress: True shows a progress bar. If `progress` is a function, `sweep` calls this function with two numbers:
+            finished runs and all runs.
 
     Raises:
         InputError: the study contains an error. The text of the exception describes the error.
@@ -177,16 +186,16 @@ class Optimum:
     factors: dict[str, float]
     #: Responses of the best design.
     responses: dict[str, float]
-    #: Responses of the original design.
+    #: Responses of the original mechanism.
     present: dict[str, float]
-    #: Largest excess of a response over a limit, divided by the limit. The attribute `violation` is 0 if the design
-    #: satisfies all limits.
+    #: Largest excess of a response over its limit, divided by the limit. If the best design satisfies all limits,
+    #: `violation` is 0.
     violation: float
-    #: Reason why the search has ended.
+    #: Reason for the end of the search.
     ended: str
-    #: All designs that the search has evaluated, in the order of evaluation.
+    #: All designs that the search has simulated, in the order of the simulations.
     evaluations: pandas.DataFrame
-    #: Drawing of the original and the best design, as SVG text. The text is empty for a hydraulic model.
+    #: Drawing of the original mechanism and of the best design, as SVG text. The text is empty for a hydraulic model.
     picture: str
 
     def _repr_svg_(self) -> str | None:
@@ -201,8 +210,8 @@ def optimise(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Optimum:
-    """Search for the best design of a study. The search needs SciPy: install the package with the extra `studies`.
-    Without SciPy, the function creates a Python environment with SciPy.
+    """Search for the best design of a study. The search needs the Python package SciPy, which the installation with
+    the extra `studies` includes. Without SciPy, `optimise` creates a separate Python environment with SciPy.
 
     The arguments of `optimise` have the same meaning as the arguments of `sweep`.
 

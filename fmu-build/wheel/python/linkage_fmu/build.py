@@ -1,4 +1,5 @@
-"""Functions for short definitions. You state the mechanism as in a drawing, in millimetres and degrees.
+"""The module `build` contains functions for short definitions. Points are coordinates of a drawing of the mechanism in
+millimetres. Angles are in degrees.
 
 ```python
 from linkage_fmu import Mechanism, build
@@ -25,6 +26,7 @@ The function `mechanism` returns the definition as a dict. You can add any other
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from numbers import Real
 from typing import Any
 
 from ._errors import InputError, wrong
@@ -34,8 +36,8 @@ Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
 
 
 def body(name: str, mass: float | None = None, inertia: float | None = None, **keys: object) -> Part:
-    """A body with its mass [kg] and moment of inertia [kg.m2]. Without `inertia`, a body with two pins is a uniform
-    rod. Further arguments are keys of the body."""
+    """Add a body with its mass [kg] and moment of inertia [kg.m2]. Without `inertia`, a body with two pins is a
+    uniform rod. Further arguments are keys of the body."""
     _texts(name=name)
     given = {"mass": mass, "inertia": inertia, **keys}
     return "bodies", name, {key: value for key, value in given.items() if value is not None}, {}
@@ -100,29 +102,30 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
     """Return the definition of a mechanism that consists of the given parts. Further arguments are keys of the
     definition, such as `gravity`.
 
-    In the definition, the first point of each body has the name `origin`, and the second point the name `end`. Any
-    other point has the name of its joint or load.
+    In the definition, the first point of each body has the name `origin`, and the second point has the name `end`. Any
+    other point has the name of the joint or load at the point.
 
     Raises:
-        InputError: two parts of the same type have the same name, or a point is not a pair of numbers.
+        InputError: two parts of one type have the same name, or a point is not a pair of numbers.
     """
     bodies: dict[str, dict[str, Any]] = {"ground": {}}
     sections: dict[str, Any] = {}
     for part in parts:
         if not isinstance(part, tuple) or len(part) != 4:
-            wrong("parts", part, "a part, as body, pin, slide and the like return")
+            wrong("parts", part, "a part that build.body, build.pin, build.slide or a similar function returns")
     for section, own, values, _ in parts:
         if section == "start":
             sections["start"] = values
             continue
         target = bodies if section == "bodies" else sections.setdefault(section, {})
         if own in target and not (section == "bodies" and own == "ground"):
-            raise InputError(f"{section}.{own}: there are two parts with this name; rename one")
+            raise InputError(f"{section}.{own}: two parts have this name; rename one of the two parts")
         target[own] = dict(values)
     for section, own, _, places in parts:
         for body_name, (point, at) in places.items():
-            numbers = list(at) if isinstance(at, Iterable) else []
-            if len(numbers) != 2 or not all(isinstance(number, int | float) for number in numbers):
+            place = at.tolist() if hasattr(at, "tolist") else at
+            numbers = list(place) if isinstance(place, Iterable) else []
+            if len(numbers) != 2 or not all(isinstance(number, Real) for number in numbers):
                 raise InputError(f"{own}: {at!r} is not a point; write (x, y) in mm")
             named = _place(bodies.setdefault(body_name, {}), body_name == "ground", point, numbers)
             for key in ("first", "second", "at"):

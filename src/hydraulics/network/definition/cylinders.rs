@@ -20,26 +20,26 @@ keys! {
         /// extended.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of @, \
             including the oil in the lines");
-        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
+        /// pressure) must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hose that is connected to the chamber [m3], >= 0. The hose volume is a part of the oil volume
-        /// in the key `dead_volume`. The value 0 means that there is no hose.
+        /// in the key `dead_volume`. The default 0 means: no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
             dead volume; 0: no hose");
-        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means
-        /// that there is no restrictor.
+        /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means:
+        /// no restrictor.
         restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
             restrictor at the rated pressure drop; 0: no restrictor");
         /// Length of the last part of the travel in which the cushion throttles the flow out of the chamber [m], >= 0.
-        /// The value 0 means that there is no cushion.
+        /// The value 0 means: no cushion.
         cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
             which the cushion throttles the flow out of @; 0: no cushion");
         /// Flow out of the chamber through the cushion at the end of the travel, at the rated pressure drop [m3/s], >=
-        /// 0. The value 0 means that there is no cushion.
-        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow that the cushion lets \
-            out of @ at the end of the travel, at the rated pressure drop; 0: no cushion");
+        /// 0. The value 0 means: no cushion.
+        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
+            cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
     }
 
     /// A differential cylinder has two ports: the chamber `<name>.a` on the piston side, and the chamber `<name>.b` on
@@ -54,10 +54,10 @@ keys! {
         /// Distance between the attachment points of the fully retracted cylinder [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of @ when fully retracted");
-        /// Restitution of an impact on a rigid end of the travel: piston speed after the impact, divided by the speed
-        /// before [1], from 0 to 1. With the value 0, the piston does not rebound.
-        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Restitution at the rigid ends of the \
-            travel of @");
+        /// Coefficient of restitution at the rigid ends of the travel [1], from 0 to 1: piston speed after an impact,
+        /// divided by the piston speed before the impact. With the value 0, the piston does not rebound.
+        restitution: f64 => number(One, UnitRange).brief().parameter(Circuit, "Coefficient of restitution at the \
+            rigid ends of the travel of @");
         /// Start value of the input `<name>.length`, the distance between the two attachment points of the cylinder
         /// [m], >= 0. Without the key `length`, the cylinder starts in the middle of the travel.
         length: Option<f64> => number(Metre, NonNegative);
@@ -110,13 +110,13 @@ keys! {
         release_pressure: f64 = 5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ is released");
         /// Hysteresis [Pa], >= 0: the lock engages again when the pressure at the port `at` falls below
         /// `release_pressure` - `hysteresis`.
-        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Pressure at which @ is released, \
-            minus the pressure at which this lock engages again");
+        hysteresis: f64 = 1e6 => number(Pascal, NonNegative).parameter(Circuit, "Hysteresis of @: release pressure \
+            minus the pressure at which the lock engages again");
     }
 }
 
 keys! {
-    /// The object `coupling` contains the settings of the coupling with the mechanisms that the cylinders drive.
+    /// Settings of the coupling between the hydraulic FMU and the mechanisms that its cylinders drive.
     pub struct Coupling: Copy {
         /// Start value of the parameter `coupling.mode`. The parameter `coupling.mode` selects the motion of the
         /// cylinders within a communication step. `preview`: the FMU predicts the motion. `follow`: the inputs

@@ -63,57 +63,59 @@ pub const MOST_PATHS: usize = 96;
 pub const TOTALS: usize = 9;
 
 keys! {
-    /// A hydraulic system consists of supply, lines, valves and cylinders. Numbers are in SI units. Pressures are
-    /// relative to the ambient pressure. A port is a point to which elements are connected: a reservoir, a node, or a
-    /// chamber of a cylinder (`<cylinder>.a` or `<cylinder>.b`).
+    /// A hydraulic system consists of a pressure supply, lines, valves and cylinders. All numbers in the file are in SI
+    /// units. Pressures are relative to the ambient pressure. A port is a point to which elements are connected: a
+    /// reservoir, a node, or a chamber of a cylinder (`<cylinder>.a` or `<cylinder>.b`).
     pub struct HydraulicSystem {
-        /// Path of the JSON schema, with which a text editor completes and checks the keys. The FMU does not use the
-        /// key `$schema`.
+        /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
+        /// use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Name of the FMU. The first character is a letter or an underscore; the others are letters, digits or
-        /// underscores.
+        /// Name of the FMU. The name consists of letters, digits and underscores, and must not start with a digit.
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model, for the model description of the FMU.
+        /// Author, copyright and licence of the model. The program writes these texts into the model description of the
+        /// FMU.
         about: About => Key::PLAIN.brief();
         /// Oil with entrained air.
         fluid: Fluid;
-        /// Reservoirs, and other ports whose pressure is an input.
+        /// Reservoirs by name. The pressure of each reservoir is an input of the FMU.
         reservoirs: Named<Reservoir>;
-        /// Nodes of the hydraulic system: lines and galleries with a volume of oil.
+        /// Nodes by name: each node is a line or a gallery with a volume of oil.
         nodes: Named<Line>;
         /// Pumps by name: each pump delivers oil from a port into a node.
         pumps: Named<Pump>;
         /// Gas accumulators by name: each accumulator is connected to a node.
         accumulators: Named<Accumulator>;
-        /// Restrictors, orifices and lines with flow resistance.
+        /// Flow resistances by name: each resistance is a restrictor, an orifice or a line.
         resistances: Named<Resistance>;
         /// Check valves by name: each check valve lets oil flow in one direction only.
         checks: Named<Check>;
         /// Relief valves by name: each relief valve limits the pressure at a port.
         reliefs: Named<Relief>;
-        /// Priority valves by name: each priority valve opens at a given upstream pressure.
+        /// Priority valves by name: each priority valve opens when its upstream pressure exceeds a stated value.
         priorities: Named<Priority>;
-        /// Sequence valves that a pilot pressure opens.
+        /// Sequence valves by name: a pilot pressure opens each sequence valve.
         sequences: Named<Sequence>;
-        /// Pilot-operated check valves (lock valves).
+        /// Pilot-operated check valves (lock valves) by name.
         pilot_checks: Named<PilotCheck>;
-        /// Counterbalance valves by name: each counterbalance valve holds a load until a pressure opens the valve.
+        /// Counterbalance valves by name: each counterbalance valve holds a load until the load pressure and the pilot
+        /// pressure open the valve.
         counterbalances: Named<Counterbalance>;
-        /// Sequence valves that the position of a cylinder opens.
+        /// Position valves by name: the position of a cylinder opens each position valve.
         position_valves: Named<PositionValve>;
-        /// By-passes (dump valves) by name: each by-pass connects two ports through an opening that is an input.
+        /// By-passes (dump valves) by name: each by-pass connects two ports. The opening of a by-pass is an input of
+        /// the FMU.
         bypasses: Named<Bypass>;
-        /// Directional valves with four ports and three positions.
+        /// Directional valves by name, with four ports and three positions.
         valves: Named<Valve>;
         /// Differential cylinders by name: each cylinder moves a mechanism.
         cylinders: Named<Cylinder>;
-        /// Locks that oil pressure releases, such as uplocks.
+        /// Locks by name, such as uplocks: oil pressure releases each lock.
         pressure_locks: Named<PressureLock>;
-        /// The object `coupling` contains the settings of the coupling with the mechanisms that the cylinders drive.
+        /// Settings of the coupling between the hydraulic FMU and the mechanisms that its cylinders drive.
         coupling: Coupling;
-        /// The object `solver` contains the settings of the time integration.
+        /// Settings of the time integration.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -14,8 +14,8 @@ use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecon
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure`, the pressure of the reservoir [Pa]. The absolute pressure,
-        /// which is the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The sum of this
+        /// gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -23,12 +23,12 @@ keys! {
     pub struct Line: Copy {
         /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start [Pa]. The absolute pressure, which is the gauge pressure plus
-        /// `fluid.ambient_pressure`, must be above 0.
+        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
+        /// pressure) must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hoses at the node [m3], >= 0. The hose volume is a part of the oil volume in the key `volume`.
-        /// The value 0 means that there is no hose.
+        /// The default 0 means: no hose.
         hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hoses in @, part of the \
             oil volume");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
@@ -43,11 +43,11 @@ keys! {
         from: String => line().required();
         /// Node into which the pump delivers oil.
         to: String => line().required();
-        /// How the pump flow depends on the pressure. `compensated`: the flow falls to 0 between `full_pressure` and
-        /// `max_pressure`. `fixed`: the flow does not depend on the pressure.
+        /// Type of the pump. `compensated`: the pump flow falls from the full flow to 0 between the pressures
+        /// `full_pressure` and `max_pressure`. `fixed`: the pump flow does not depend on the pressure.
         r#type as "type": PumpType;
-        /// Flow of the pump at the relative speed 1 [m3/s], >= 0. A compensated pump delivers this flow at pressures up
-        /// to `full_pressure`.
+        /// Full flow [m3/s], >= 0: flow of the pump at the relative speed 1. A compensated pump delivers the full flow
+        /// at pressures up to `full_pressure`.
         max_flow: f64 = 1.5e-4 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow of @ at the \
             relative speed 1 and low pressure");
         /// Pressure up to which a compensated pump delivers its full flow [Pa].
@@ -59,17 +59,17 @@ keys! {
             delivers 1 % of its full flow or less");
     }
 
-    /// A gas accumulator stores oil under gas pressure, and is connected to a node.
+    /// A gas accumulator stores oil under gas pressure. Each gas accumulator is connected to a node.
     pub struct Accumulator {
         /// Node to which the accumulator is connected.
         at: String => line().required();
         /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure: gas pressure when the accumulator contains no oil [Pa]. The absolute pressure, which is
-        /// the gauge pressure plus `fluid.ambient_pressure`, must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
+        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
-            pressure when the accumulator contains no oil");
+            pressure in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
         polytropic_exponent: f64 = 1.4 => number(One, Positive).parameter(Circuit, "Polytropic exponent of the gas in \
             @");
@@ -92,7 +92,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
         /// Conductance of a laminar resistance in series with the orifice: flow divided by pressure drop [m3/(s.Pa)],
@@ -112,21 +112,21 @@ keys! {
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
-        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. The
-        /// key `rated_flow` has no effect if `conductance` is greater than 0.
+        /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. If
+        /// `conductance` is greater than 0, the key `rated_flow` has no effect.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// Conductance of a check valve with linear flow: flow divided by the pressure drop above the cracking pressure
-        /// [m3/(s.Pa)], >= 0. With the value 0, the flow is turbulent, and the key `rated_flow` states the flow through
-        /// the open valve.
-        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Flow of @ divided by \
-            the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
+        /// Conductance of a check valve with linear flow [m3/(s.Pa)], >= 0: flow divided by the pressure drop above the
+        /// cracking pressure. With the default 0, the flow through the open valve is turbulent, and the key
+        /// `rated_flow` states its size.
+        conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of @: flow \
+            divided by the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
     }
 
     /// A relief valve lets oil flow from port `from` to port `to` while the pressure at `from` is above the key
@@ -143,8 +143,8 @@ keys! {
             opens");
         /// Conductance of the relief valve: flow divided by the excess of the pressure at the port `from` over the key
         /// `pressure` [m3/(s.Pa)], > 0.
-        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Flow of @ divided \
-            by the excess of the pressure over the opening pressure");
+        conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Conductance of @: \
+            flow divided by the excess of the pressure over the opening pressure");
     }
 
     /// A priority valve is open while the pressure at the upstream port `from` is above the key `pressure`.
@@ -162,14 +162,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -190,14 +190,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -214,8 +214,8 @@ keys! {
         /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot >
         /// `ratio` * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston
         /// divided by the area of the valve seat.
-        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of the pilot pressure to the pressure \
-            at the locked port above which @ opens for the reverse flow");
+        ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of pilot pressure to load pressure above \
+            which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
             opens");
@@ -225,7 +225,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -235,7 +235,7 @@ keys! {
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port of the valve on the side of the load, from which reverse flow enters the valve.
+        /// Port of the valve on the side of the load. Reverse flow enters the valve at this port.
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port helps to open the valve.
         pilot: String => line().required();
@@ -257,7 +257,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -284,14 +284,14 @@ keys! {
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
-        /// Flow from port `to` to port `from` through a check valve in parallel, at the rated pressure drop [m3/s], >=
-        /// 0. With the value 0, there is no check valve in parallel.
+        /// Reverse flow, from port `to` to port `from`, through a parallel check valve at the rated pressure drop
+        /// [m3/s], >= 0. With the default 0, the valve has no parallel check valve.
         reverse_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow through @ in the \
             reverse direction (from port `to` to port `from`), at the rated pressure drop");
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -299,7 +299,7 @@ keys! {
     /// A by-pass (dump valve) connects two ports. The input `<name>.open` is the opening of the by-pass: 0 is closed,
     /// and 1 is fully open.
     pub struct Bypass {
-        /// First port of the by-pass. A flow from port `from` to port `to` is positive.
+        /// First port of the by-pass. Flow from the port `from` to the port `to` is positive.
         from: String => line().required();
         /// Second port of the by-pass.
         to: String => line().required();
@@ -311,7 +311,7 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the key `rated_flow` refers [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
     }
@@ -348,10 +348,10 @@ keys! {
         /// Rated pressure drop: the pressure drop to which the rated flows of the element refer [Pa], > 0.
         rated_pressure_drop: f64 = 3.5e6 => number(Pascal, Positive).parameter(Circuit, "Pressure drop to which the \
             rated flows of @ refer");
-        /// Pressure drop d_t at which the flow changes from laminar to turbulent [Pa], > 0.
+        /// Transition pressure d_t [Pa], > 0: pressure drop at which the flow changes from laminar to turbulent.
         transition_pressure: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Pressure drop at which the flow \
             through @ changes from laminar to turbulent");
-        /// How the flow changes from laminar to turbulent at the pressure drop `transition_pressure`. `smooth`: the
+        /// Law for the change from laminar to turbulent flow at the pressure drop `transition_pressure`. `smooth`: the
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
@@ -359,8 +359,8 @@ keys! {
         /// `overlap`, a metering edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
             the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
-        /// Overlap of the valve: spool position at which a metering edge starts to open [1]. Spool positions are from
-        /// -1 to 1. A negative overlap is an underlap.
+        /// Overlap of the valve [1]: spool position, from -1 to 1, at which a metering edge starts to open. A negative
+        /// overlap is an underlap.
         overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0. Without the key `frequency`, the spool position is equal to

@@ -97,8 +97,8 @@ impl HydraulicSystem {
         for (name, accumulator) in self.accumulators.iter() {
             if let Some((tank, reservoir)) = lowest.filter(|(_, one)| accumulator.precharge_pressure <= one.pressure) {
                 let message = format_args!(
-                    "is {} Pa, not above reservoirs.{tank}.pressure = {} Pa, the lowest pressure: the accumulator \
-                     never gives off all its oil",
+                    "is {} Pa, not above reservoirs.{tank}.pressure = {} Pa, the lowest pressure: the accumulator can \
+                        never deliver all its oil",
                     Decimal(accumulator.precharge_pressure),
                     Decimal(reservoir.pressure)
                 );

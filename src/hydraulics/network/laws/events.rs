@@ -118,12 +118,18 @@ impl Laws {
         }
         match self.event(index) {
             Event::Spool(valve, which) => {
-                let places = ["the edge at its overlap", "the edge at minus its overlap", "its end, 1", "its end, -1"];
+                let places = [
+                    "the metering edge at its overlap",
+                    "the metering edge at minus its overlap",
+                    "the end \
+                    of its travel, 1",
+                    "the end of its travel, -1",
+                ];
                 format!("the spool of {} is at {}", system.valves.names()[valve], places[which])
             }
             Event::Cushion(index, side) => {
                 let side = ["A", "B"][side];
-                format!("cylinder {} is at the border of the cushion of chamber {side}", cylinder(index))
+                format!("the piston of cylinder {} enters or leaves the cushion of chamber {side}", cylinder(index))
             }
             Event::Path(path) => {
                 let name = path_names(system).nth(path).unwrap_or("a valve");

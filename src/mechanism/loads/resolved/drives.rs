@@ -171,7 +171,7 @@ fn integral_of(name: &str, control: &definition::Control) -> Result<Option<Integ
     if tracking.is_finite() {
         return Ok(Some(Integral { gain, tracking }));
     }
-    let message = "the default position_gain / integral_gain is too small, because position_gain is: give \
-                   tracking_time, a larger position_gain, or no limit of the force";
+    let message = "the default position_gain / integral_gain is too small, because position_gain is too small: give \
+        tracking_time or a larger position_gain, or remove the limits of the force";
     Err(DefinitionError::key(format_args!("actuators.{name}.control.tracking_time"), message.to_owned()))
 }

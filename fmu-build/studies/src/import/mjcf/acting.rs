@@ -129,8 +129,8 @@ impl Mjcf {
         let off = (0..3).map(|k| apart(other.1[k], wanted.1[k])).fold(apart(other.0, wanted.0), f64::max);
         ensure!(
             off <= OFF,
-            "{}: at the position of the file the two bodies do not stand as this weld holds them (difference \
-                {off:.2e}): write the bodies in the welded position",
+            "{}: the position of the two bodies in the file differs from the welded position by {off:.2e}: write the \
+                bodies in the welded position",
             node.at()
         );
         self.space.weld(first, second);
@@ -145,7 +145,8 @@ impl Mjcf {
         let Some(second) = self.hinge_named(node, "joint2")? else {
             ensure!(
                 part(0) == 0.0,
-                "{}: polycoef holds the joint at {} from the position of the file: write the body in this position",
+                "{}: polycoef keeps the joint at {}, measured from its position in the file: write the body in the \
+                    position that polycoef states",
                 node.at(),
                 part(0)
             );
@@ -268,8 +269,8 @@ impl Mjcf {
         let gains = [-b1 * gear, -b2 * gear];
         ensure!(
             gains.iter().all(|gain| *gain >= 0.0),
-            "{}: the control law pushes away from its position or drives with its speed, which no controller of a \
-             drive does: correct the signs of its bias",
+            "{}: the control law would push the joint away from the commanded position or accelerate its motion, \
+                which a controller of a drive cannot do: correct the signs of the bias",
             node.at()
         );
         let [position_gain, speed_gain] = gains.map(|gain| Some(gain).filter(|gain| *gain != 0.0));
@@ -296,13 +297,13 @@ impl Mjcf {
         acting.springs.push(Spring { suffix: "motor", damping: damping * gear * gear, ..Spring::default() });
         acting.armature += armature * gear * gear;
         let counted = if position_gain.is_some() && origin != 0.0 {
-            format!(", counted from the reference {origin} of the joint")
+            format!(", measured from the reference {origin} of the joint")
         } else {
             String::new()
         };
         if given != 1.0 || !counted.is_empty() {
             self.space.notes.push(format!(
-                "{}: the input of the drive {drive} is {word}, {given} times the control of MuJoCo{counted}",
+                "{}: the input of the drive {drive} is {word}, {given} times the control signal of MuJoCo{counted}",
                 node.at()
             ));
         }

@@ -44,33 +44,34 @@ pub fn group(tag: &str) -> String {
 }
 
 const POSE: &str = "position and orientation, with the angle unit and rotation order of `compiler`";
-const SOFT: &str = "limits, connections and couplings of a definition are rigid";
+const SOFT: &str = "the limits, connections and couplings in the definition are rigid";
 const TOUCH: &str = "property of contacts between bodies, which are not imported";
 const LOOK: &str = "used only for drawing, or as a name for other programs";
-const SOLVER: &str = "a setting of MuJoCo's solver, which this program does not use";
-const DRIVE: &str = "the drive follows its input at once and without limits";
+const SOLVER: &str = "a setting of MuJoCo's solver that `import` does not need";
+const DRIVE: &str = "the drive of the definition follows its input without delay and without limits";
 
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
     ("mujoco/compiler", "", Read, "settings of the file, as stated in the next rows"),
     ("mujoco/compiler", "angle eulerseq", Read, "unit of all angles, and order of the rotations in `euler`"),
-    ("mujoco/compiler", "autolimits", Read, "whether a joint with a `range` but without `limited` has limits"),
-    ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "which bodies have masses that are computed from \
-        their geoms, and from which geoms"),
-    ("mujoco/compiler", "settotalmass", Read, "`import` scales all masses so that their sum is this mass"),
+    ("mujoco/compiler", "autolimits", Read, "if true, a joint with a `range` and without `limited` has limits"),
+    ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "selection of the bodies whose masses `import` \
+        computes from geoms, and selection of these geoms"),
+    ("mujoco/compiler", "settotalmass", Read, "total mass of the model: `import` scales all masses so that their sum \
+        is equal to the total mass"),
     ("mujoco/compiler", "boundmass boundinertia", Read, "smallest allowed mass and moment of inertia of a body"),
     ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a \
         newer version of MuJoCo"),
-    ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute changes only moments of inertia that no rigid body \
-        can have"),
+    ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute corrects only moments of inertia that are \
+        impossible for a rigid body"),
     ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough \
         savecanonical savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern \
         files, drawing, or the program MuJoCo itself"),
     ("compiler/lengthrange", "", NoEffect, "used only for muscles"),
     ("mujoco/option", "", Read, "settings of the simulation, as stated in the next rows"),
     ("mujoco/option", "gravity", Read, "gravity, in the plane of motion"),
-    ("mujoco/option", "density viscosity", Rejected("0"), "a surrounding medium is not imported: set density and \
-        viscosity to 0, and add the key air to the definition"),
+    ("mujoco/option", "density viscosity", Rejected("0"), "`import` cannot convert a surrounding medium: set density \
+        and viscosity to 0, and add the key air to the definition"),
     ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "the attribute concerns a surrounding medium, \
         sensors or groups of actuators"),
     ("mujoco/option", "ccd_iterations ccd_tolerance cone impratio integrator iterations jacobian ls_iterations \
@@ -79,38 +80,38 @@ pub const TABLE: &[Row] = &[
         NoEffect, SOLVER),
     ("option/flag", "", Read, "parts of the simulation that are switched on or off"),
     ("option/flag", "gravity spring damper limit equality frictionloss actuation constraint", Read,
-        "`disable` leaves out gravity, springs, dampers, limits, equalities, friction losses or actuators; \
-         `constraint` stands for limits, equalities and friction losses"),
+        "with `disable`, the definition contains no gravity, springs, dampers, limits, equalities, friction losses or \
+            actuators; `constraint` means limits, equalities and friction losses together"),
     ("option/flag", "contact", Read, "with `disable`, `import` prints no note about contacts"),
     ("option/flag", "clampctrl autoreset diagexact energy eulerdamp filterparent fwdinv invdiscrete ipc island \
         midphase multiccd nativeccd override refsafe sensor sleep speculative warmstart passive", NoEffect, SOLVER),
     ("mujoco/size mujoco/statistic mujoco/visual mujoco/custom mujoco/asset", "", NoEffect, LOOK),
-    ("mujoco/default", "", NoEffect, "the element only states default attributes, which `import` reads as attributes \
-        of the elements of its classes"),
-    ("mujoco/include", "file", Read, "`import` also reads this file, in the folder of the imported file"),
+    ("mujoco/default", "", NoEffect, "the element contains default attributes, which `import` reads for all elements \
+        of the class"),
+    ("mujoco/include", "file", Read, "name of another file in the folder of the imported file; `import` also reads \
+        the other file"),
     ("mujoco/extension mujoco/deformable", "", Rejected(""), "plugins and deformable bodies are not supported: remove \
-        them"),
+        plugins and deformable bodies"),
     ("mujoco/contact", "", LeftOut, "contacts between bodies are not imported"),
-    ("mujoco/sensor", "", LeftOut, "the definition has its own outputs"),
+    ("mujoco/sensor", "", LeftOut, "the outputs of the definition replace sensors"),
     ("mujoco/keyframe", "", LeftOut, "the start position is the position of the bodies in the file"),
 
     ("mujoco/worldbody", "", Read, "the body `ground`"),
-    ("mujoco/worldbody", "childclass", Read, "default class of the elements in this element"),
+    ("mujoco/worldbody", "childclass", Read, "default class of all elements inside the element"),
     ("mujoco/worldbody", "name", NoEffect, LOOK),
     ("body/body", "", Read, "a body; a body without joints is fixed to the body that contains it"),
     ("body/body body/frame", "pos quat axisangle euler xyaxes zaxis", Read, POSE),
-    ("body/body", "name childclass", Read, "name of the body, and default class of the elements in it"),
-    ("body/body", "gravcomp", Read, "a constant force against the weight: the attribute is the fraction of the weight \
-        that the force carries"),
+    ("body/body", "name childclass", Read, "name of the body, and default class of all elements inside the body"),
+    ("body/body", "gravcomp", Read, "a constant upward force on the body, stated as a fraction of the weight"),
     ("body/body", "mocap", LeftOut, "the body does not move"),
     ("body/body", "fuse simple sleep user", NoEffect, SOLVER),
-    ("body/frame", "", Read, "position and orientation of all elements in this frame"),
-    ("body/frame", "childclass", Read, "default class of the elements in this element"),
+    ("body/frame", "", Read, "position and orientation of all elements in the frame"),
+    ("body/frame", "childclass", Read, "default class of all elements inside the element"),
     ("body/frame", "name", NoEffect, LOOK),
-    ("body/replicate body/attach body/composite", "", Rejected(""), "the import does not copy models: save the \
-        compiled model with mj_saveLastXML of MuJoCo, and import the saved file"),
+    ("body/replicate body/attach body/composite", "", Rejected(""), "`import` does not copy models: save the compiled \
+        model with mj_saveLastXML of MuJoCo, and import the saved file"),
     ("body/flexcomp body/plugin geom/plugin", "", Rejected(""), "plugins and deformable bodies are not supported: \
-        remove them"),
+        remove plugins and deformable bodies"),
     ("body/inertial", "", Read, "mass, centre and moment of inertia of the body"),
     ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass, moments of \
         inertia, position and orientation"),
@@ -121,8 +122,8 @@ pub const TABLE: &[Row] = &[
     ("body/joint", "range limited", Read, "two rigid stops"),
     ("body/joint", "stiffness springref damping", Read, "a spring with a damper; coefficients of higher order are \
         rejected"),
-    ("body/joint", "ref", Read, "joint angle or position in the file, to which the ranges, springs and control \
-        signals of the joint refer"),
+    ("body/joint", "ref", Read, "angle or position of the joint in the file; ranges, springs and control signals of \
+        the joint refer to this value"),
     ("body/joint", "armature frictionloss", Read, "rotor inertia and constant friction of the joint"),
     ("body/joint", "springdamper springyield", Rejected("0"), "not supported: write stiffness and damping instead"),
     ("body/joint", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
@@ -132,12 +133,13 @@ pub const TABLE: &[Row] = &[
     ("body/geom", "", Read, "mass of the body that contains the geom, if the body has no `inertial`"),
     ("body/geom", "class type size fromto pos quat axisangle euler xyaxes zaxis mass density group", Read, "mass, \
         centre and moment of inertia of `sphere`, `capsule`, `cylinder`, `box`, `ellipsoid`"),
-    ("body/geom", "mesh", Read, "`import` rejects a mesh in a body without `inertial`, because the mass of the mesh \
-        is unknown"),
-    ("body/geom", "shellinertia", Read, "`import` rejects the attribute if the mass of the body is computed from the \
+    ("body/geom", "mesh", Read, "a mesh in a body without `inertial` is an error, because the mass of the mesh is \
+        unknown"),
+    ("body/geom", "shellinertia", Read, "the attribute is an error if `import` computes the mass of the body from the \
         geom"),
     ("body/geom", "fluidcoef fluidshape", LeftOut, "an imported mechanism has no surrounding medium"),
-    ("body/geom", "contype conaffinity", Read, "whether the note of `import` about contacts names the geom"),
+    ("body/geom", "contype conaffinity", Read, "if both are 0, the note of `import` about contacts does not list the \
+        geom"),
     ("body/geom", "adhesion condim friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
     ("body/geom", "name castshadow fitscale hfield material rgba user", NoEffect, LOOK),
     ("body/site", "", Read, "a marker, if the body of the site moves"),
@@ -147,12 +149,12 @@ pub const TABLE: &[Row] = &[
 
     ("mujoco/equality", "", Read, "connections and couplings"),
     ("equality/connect", "", Read, "a revolute joint, if its bodies move in one plane"),
-    ("equality/connect", "name class active body1 body2 anchor site1 site2", Read, "ends of the joint; sites may have \
-        a distance in the file, because the program assembles the mechanism"),
-    ("equality/weld", "", Read, "two bodies become one rigid body"),
+    ("equality/connect", "name class active body1 body2 anchor site1 site2", Read, "ends of the joint; the two sites \
+        can be apart in the file, because `import` assembles the mechanism"),
+    ("equality/weld", "", Read, "a rigid connection: `import` combines two bodies into one rigid body"),
     ("equality/weld", "class active body1 body2 anchor relpose site1 site2 torquescale", Read, "the two welded \
-        bodies, which must be in the welded position in the file"),
-    ("equality/joint", "", Read, "a coupling by gears or a rack; joints without a common body are rejected"),
+        bodies; in the file, the bodies must already be in the welded position"),
+    ("equality/joint", "", Read, "a coupling by gears or a rack; two joints without a common body are rejected"),
     ("equality/joint", "class active joint1 joint2 polycoef", Read, "coupled joints, offset and ratio; a variable \
         ratio is rejected"),
     ("equality/weld equality/joint", "name", NoEffect, LOOK),
@@ -163,8 +165,8 @@ pub const TABLE: &[Row] = &[
     ("mujoco/tendon", "", Read, "tendons"),
     ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or \
         pulleys are rejected"),
-    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "same \
-        meaning as for a joint; `springlength` is the free length of the spring; a tendon with friction is rejected"),
+    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "as for \
+        `body/joint`; `springlength` is the free length of the spring; a tendon with friction is rejected"),
     ("tendon/spatial", "springyield", Rejected("0"), "springs cannot yield: set springyield to 0"),
     ("tendon/spatial", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("tendon/spatial", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
@@ -187,9 +189,10 @@ pub const TABLE: &[Row] = &[
     ("actuator/velocity", "kv", Read, "speed gain of a controller"),
     ("actuator/general actuator/position actuator/velocity actuator/intvelocity actuator/cylinder", "forcelimited \
         forcerange", Read, "limits of the force of a controller"),
-    ("actuator/position actuator/velocity", "gainprm", Read, "default value of `kp` or `kv`, if the attribute is \
-        stated in the default class `general`"),
-    ("actuator/damper", "kv", Read, "the damper has no force at the control signal 0"),
+    ("actuator/position actuator/velocity", "gainprm", Read, "default of `kp` or `kv`, if the default class `general` \
+        contains the attribute"),
+    ("actuator/damper", "kv", Read, "a drive whose force is 0 at the start, because a damper exerts no force at the \
+        control signal 0"),
     ("actuator/cylinder", "area diameter bias", Read, "gains of a controller, force of the drive at the start, and \
         the factor of the control signal"),
     ("actuator/*", "class joint jointinparent tendon gear damping armature", Read, "joint or tendon on which the \

@@ -92,7 +92,7 @@ function showFindings(marks) {
 
 function showConnection(error = file.error) {
   byId("live-lost").hidden = !error;
-  if (error) byId("live-lost").textContent = error instanceof TypeError ? "The server has ended. Your text is still here; start the command again, and copy the text into its page." : error.message;
+  if (error) byId("live-lost").textContent = error instanceof TypeError ? "The command has ended. This page still contains your text: start the command again, and copy the text into the new page." : error.message;
 }
 
 function showState() {
