@@ -120,7 +120,10 @@ impl<T: Number> Task for Evaluation<'_, T> {
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        self.values.iter_mut().zip(self.rows).for_each(|(values, row)| *values = row_at::<A, T>(row, &self.x));
+        // A closure in a function of an iterator might be compiled without the features of the processor.
+        for (values, row) in self.values.iter_mut().zip(self.rows) {
+            *values = row_at::<A, T>(row, &self.x);
+        }
     }
 }
 
