@@ -60,7 +60,7 @@ impl<T> FromIterator<(String, T)> for Named<T> {
     /// Collects entries, whose names must be unique.
     fn from_iter<I: IntoIterator<Item = (String, T)>>(entries: I) -> Self {
         let mut all = Self::default();
-        entries.into_iter().for_each(|(name, value)| drop(all.push(&name, value)));
+        entries.into_iter().for_each(|(name, value)| _ = all.push(&name, value));
         all
     }
 }

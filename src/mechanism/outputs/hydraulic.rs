@@ -12,10 +12,11 @@ use crate::mechanism::quantity::Hydraulic;
 use crate::numerics::dual::Dual;
 use std::sync::OnceLock;
 
-/// Rates of the state of a circuit, network or integral parts.
-static RATES: OnceLock<fn(&mut View<f64>) -> Result<[f64; CAPACITY], OutputError>> = OnceLock::new();
+/// Rates of the state of a circuit, network or states of controllers.
+type Rates = fn(&mut View<f64>) -> Result<[f64; CAPACITY], OutputError>;
+static RATES: OnceLock<Rates> = OnceLock::new();
 
-/// State that mechanisms may have hydraulics or integral parts of controllers.
+/// State that mechanisms may have hydraulics or states of controllers.
 pub fn allow_hydraulics() {
     fn of<N: Reading>() {
         N::hydraulics().get_or_init(|| HydraulicOutputs {

@@ -10,8 +10,10 @@ use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::loads::Actuator;
 use std::sync::OnceLock;
 
-/// Checks and warnings of hydraulics. A library that never allows hydraulics does not contain their code.
-static CHECKS: OnceLock<(fn(&Mechanism, &mut Faults), fn(&Mechanism, &mut Vec<Finding>))> = OnceLock::new();
+/// Checks and warnings of hydraulics.
+type Checks = (fn(&Mechanism, &mut Faults), fn(&Mechanism, &mut Vec<Finding>));
+/// A library that never allows hydraulics does not contain their code.
+static CHECKS: OnceLock<Checks> = OnceLock::new();
 
 /// State that definitions may have hydraulics.
 pub fn allow_hydraulics() {

@@ -44,8 +44,10 @@ pub struct NetworkDrives {
 
 /// The drive with a circuit and the drives with cylinders of a network, if there are any.
 type Drives = (Option<HydraulicDrive>, Option<NetworkDrives>);
-/// Resolves them. A library that never allows hydraulics does not contain their laws.
-static RESOLVE: OnceLock<fn(&Mechanism, usize) -> Result<Drives, DefinitionError>> = OnceLock::new();
+/// Resolves them.
+type Resolve = fn(&Mechanism, usize) -> Result<Drives, DefinitionError>;
+/// A library that never allows hydraulics does not contain their laws.
+static RESOLVE: OnceLock<Resolve> = OnceLock::new();
 
 /// The words for hydraulics or states of controllers in a library without their code.
 pub const NO_HYDRAULICS: &str = concat!(
