@@ -116,8 +116,8 @@ class Mechanism:
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
-        """Return all stable and unstable static equilibria along the travel as a list of `Fact` objects. The equilibria
-        are those under the loads at the start of a simulation.
+        """Return all stable and unstable static equilibria along the travel as a list of `Fact` objects. The loads in
+        the equilibria are the loads at the start of a simulation.
 
         In each `Fact` object, the quantity `stable position` or `unstable position` is the value of the coordinate at
         the equilibrium [rad or m]. The attribute `of` of the `Fact` object is the name of the coordinate.
@@ -159,7 +159,7 @@ class Mechanism:
             start_values: start values of inputs and parameters, by name. A start value is a number in SI units, a text
                 with a unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame with
-                the column or the index `time`. If two rows have the same time, the inputs jump at this time.
+                the column or the index `time`. If two rows of `input` have the same time, the inputs jump at this time.
             output: names of the variables to record. By default, `simulate` records all outputs.
             set_input_derivatives: if True, the simulation also sets the time derivatives of the inputs in `input`.
 
@@ -266,14 +266,14 @@ class Mechanism:
         prescribed motion has no effect on the result of `kinematics`.
 
         Args:
-            count: number of equal parts into which the travel is divided. The result of `kinematics` has `count` + 1
-                positions.
+            count: number of equal parts into which `kinematics` divides the travel. The result of `kinematics` has
+                `count` + 1 positions.
             outputs: names of the outputs in the result. By default, the result of `kinematics` contains all
                 coordinates, lengths, markers, reduced masses and holding forces.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name in `outputs` is not the name of an output.
+            InputError: a name in the argument `outputs` is not the name of an output.
             SimulationError: the travel of the mechanism cannot be computed, for example because of a hydraulic circuit.
         """
         from ._kinematics import kinematics

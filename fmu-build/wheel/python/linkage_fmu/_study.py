@@ -193,7 +193,7 @@ class Optimum:
     violation: float
     #: Reason for the end of the search.
     ended: str
-    #: All designs that the search has simulated, in the order of the simulations.
+    #: All designs that the search for the best design has simulated, in the order of the simulations.
     evaluations: pandas.DataFrame
     #: Drawing of the original mechanism and of the best design, as SVG text. The attribute `picture` is empty for a
     #: hydraulic model.
