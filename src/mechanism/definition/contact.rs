@@ -42,16 +42,16 @@ keys! {
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
                 damper that only pushes").absent("true");
-        /// Allowed only for a rigid stop: speed after an impact divided by the speed before the impact [1], 0 to 1.
+        /// For a rigid stop: speed after an impact divided by the speed before the impact [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
             by the speed before the impact");
-        /// Allowed only for a bumper: stiffness of the bumper [N/m or N.m/rad], >= 0.
+        /// For a bumper: stiffness of the bumper [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Law, "Stiffness of the stop @, if the stop is a bumper");
-        /// Allowed only for a bumper: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
+        /// For a bumper: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
-        /// Allowed only for a bumper: additional force as a curve over the compression [m or rad, N or N.m]. The list
+        /// For a bumper: additional force as a curve over the compression [m or rad, N or N.m]. The list
         /// `points` contains pairs of compression and force. The first pair of `points` must be [0, 0], and the force
         /// must not decrease with the compression. Beyond the last pair, the force curve of the bumper is a straight
         /// line.
