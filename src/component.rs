@@ -262,7 +262,7 @@ impl Component {
         }
     }
 
-    /// Whether the model has other states than position and speed: with hydraulics or an integral part of a controller.
+    /// Whether the model has other states than position and speed: with hydraulics or states of controllers.
     pub fn has_more_states(&self) -> bool {
         match self {
             Self::Mechanism(model) => model.has_hydraulics() || model.state_count() > 2,

@@ -12,8 +12,9 @@ mod units;
 
 use crate::fmu::Definition;
 use crate::workspace::Workspace;
-use anyhow::Result;
+use anyhow::{Context, Result, anyhow};
 pub use fmu_cli::Check as Arguments;
+use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::format::{Place, parse};
 use linkage_fmu::inspection::{Finding, Inspection, Severity};
 pub use located::Located;
@@ -65,6 +66,25 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         checked.count(Severity::Error) > 0 || arguments.deny_warnings && checked.count(Severity::Warning) > 0
     };
     Ok(!all.iter().any(fails))
+}
+
+/// The model of a definition.
+///
+/// # Errors
+/// The definition gives no model: the first fault, in the units of the file.
+pub fn model(workspace: &Workspace, definition: &Definition) -> Result<Component> {
+    let Definition { shown, kind, text } = definition;
+    let in_units = |refused: Refused| {
+        // A warning may state the cause, such as a number in another unit.
+        let checked = check(shown.clone(), kind, text.clone()).into_iter().flat_map(|checked| checked.findings);
+        for Located { finding, .. } in checked.filter(|located| located.finding.severity == Severity::Warning) {
+            eprintln!("warning: {finding}");
+        }
+        let units = FileUnits::stated(parse("definition", text).ok().as_ref());
+        anyhow!("{}", units.converted(Finding::error(&refused.0, &refused.0)).message)
+    };
+    let model = Component::from_definition(kind, text).map_err(in_units);
+    model.with_context(|| format!("{shown}; `{} check` prints the details", workspace.program()))
 }
 
 /// Place of a key in the text of a JSON file, or of the longest existing part of its path. None if the text is no JSON.

@@ -137,7 +137,7 @@ pub fn replace_named(path: &Path, option: &str, content: &[u8]) -> Result<()> {
 }
 
 /// Folder of a file. For a file name without folder, the present folder.
-fn folder_of(path: &Path) -> &Path {
+pub fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 

@@ -5,6 +5,7 @@
 
 use crate::archive::MODEL_DESCRIPTION;
 use crate::binary;
+use crate::check;
 use crate::fmu::{self, Definition, Fmu};
 use crate::needs::Needs;
 use crate::workspace::Workspace;
@@ -68,9 +69,9 @@ fn info(workspace: &Workspace, path: &Path) -> Result<Info> {
     Ok(if fmu::is_fmu(path) {
         of_fmu(Fmu::open(path)?)?
     } else {
-        let Definition { shown, kind, text } = Definition::read(workspace, path)?;
-        let component = Component::from_definition(kind, &text)
-            .with_context(|| format!("{shown}; `{} check` prints the details", workspace.program()))?;
+        let definition = Definition::read(workspace, path)?;
+        let component = check::model(workspace, &definition)?;
+        let Definition { shown, kind, .. } = definition;
         let description =
             Description::parse(&fmi2::to_xml(&component, Naming::default()).with_context(|| shown.clone())?)?;
         Info {

@@ -1,4 +1,4 @@
-//! The shared libraries of the FMUs: one for mechanisms without hydraulics and integral parts of controllers, one for
+//! The shared libraries of the FMUs: one for mechanisms without hydraulics and states of controllers, one for
 //! all other models.
 
 pub mod served;

@@ -1,14 +1,13 @@
 //! `cargo fmu <command>`, built and started by `fmu-build/cli`: the tasks of a first user. `fmu-studies` has all.
 
 use anyhow::anyhow;
-use clap::Parser;
 use fmu_build::task;
 use fmu_build::workspace::Workspace;
-use fmu_cli::{Cli, Task, words};
+use fmu_cli::{Task, parsed};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    task::run(&Workspace::locate(), Cli::parse_from(words::given()), elsewhere)
+    task::run(&Workspace::locate(), parsed(), elsewhere)
 }
 
 /// Answer to a task that this program does not have.

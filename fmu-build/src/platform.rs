@@ -159,6 +159,13 @@ fn own(workspace: &Workspace, library: &'static SharedLibrary) -> Result<Binary>
     Ok(Binary::new(version::platform()?, content, "this machine's library")?.of(library))
 }
 
+/// Arguments for `cargo rustc` with which Rust omits unused functions itself, because the linker cannot: Rust optimises
+/// the library as a whole (LTO). Rust can do so for a `cdylib` alone, not together with an rlib.
+const WITHOUT_UNUSED: [&str; 4] = ["--crate-type", "cdylib", "--config", "profile.release.lto=\"fat\""];
+/// Arguments for Cargo with which the standard library is compiled. It is optimised, unlike most other dependencies.
+const STANDARD_LIBRARY: [&str; 3] =
+    ["-Zbuild-std=std,panic_abort", "--config", "profile.release.package.\"*\".opt-level=3"];
+
 /// The build target of the library for a platform. None for this machine, if Cargo's normal build suffices.
 ///
 /// # Errors
@@ -180,6 +187,10 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
     let mut target = Target { subcommand, triple, extension, arguments, variables };
     if toolchain.linker.is_none() {
         macos::complete(&mut target, cfg!(target_os = "macos"));
+    }
+    if toolchain.is_in_one_section() {
+        target.subcommand = "rustc";
+        target.arguments.extend(WITHOUT_UNUSED);
     }
     Ok(Some(target))
 }
@@ -264,7 +275,7 @@ pub fn standard_library(triple: &str, debian: &str) -> Result<Vec<&'static str>>
         || asked(&["--version"])?.to_string_lossy().contains("nightly");
     let source = asked(&["--print", "sysroot"])?.join("lib/rustlib/src/rust/library/std/Cargo.toml");
     if takes_unstable && source.is_file() {
-        return Ok(vec!["-Zbuild-std=std,panic_abort"]);
+        return Ok(STANDARD_LIBRARY.to_vec());
     }
     bail!("Rust has no standard library for {triple}; run: rustup target add {triple}{debian}")
 }

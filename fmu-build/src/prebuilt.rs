@@ -39,7 +39,7 @@ pub fn archive(root: &Path, folder: &str) -> Result<PathBuf> {
     others.sort();
     bail!(
         "the library for {folder} is not part of this program, which contains libraries for: {}; install a wheel with \
-         this library (`cargo fmu dist --platforms` builds one), or give a library with --binary {folder}=PATH",
+         this library (`cargo fmu dist` builds one), or give a library with --binary {folder}=PATH",
         if others.is_empty() { "none".to_owned() } else { others.join(" and ") }
     )
 }

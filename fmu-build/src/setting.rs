@@ -39,8 +39,17 @@ impl Setting {
             (Self::Real(value), Kind::Real) => Value::Real(*value),
             (Self::Boolean(value), Kind::Boolean) => Value::Boolean(*value),
             (Self::Text(text), _) => start_values::value(variable, text)?,
-            (_, kind) => bail!("{} must be a {}, not {self}", variable.name, kind.word()),
+            _ => bail!("{} must be {}, not {self}", variable.name, words(variable.kind)),
         })
+    }
+}
+
+/// A kind of values, in words.
+pub fn words(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Real => "a number",
+        Kind::Boolean => "true or false",
+        Kind::Enumeration => "a text in quotes",
     }
 }
 

@@ -9,6 +9,7 @@ use crate::{files, names, shared};
 use anyhow::{Context, Result, bail};
 use linkage_fmu::component::Component;
 use linkage_fmu::fmi::LARGEST_DEFINITION;
+use linkage_fmu::format::parse;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -120,7 +121,10 @@ impl Source {
         let path = self.definition.display();
         let bytes = files::read(&self.definition, LARGEST_DEFINITION)?;
         match String::from_utf8(bytes) {
-            Ok(text) => shared::completed(&self.definition, text),
+            Ok(text) => {
+                check_content("mechanism", &text).with_context(|| path.to_string())?;
+                shared::completed(&self.definition, text)
+            }
             Err(error) if error.as_bytes().starts_with(ZIP) => bail!("{path}: {}", of_archive(&self.definition)),
             Err(_) => bail!("{path}: is not UTF-8 text; save the file as UTF-8"),
         }
@@ -176,6 +180,24 @@ impl Definition {
         }
         let source = Source::find(workspace, path)?;
         Ok(Self { shown: source.definition.display().to_string(), kind: source.kind(), text: source.text()? })
+    }
+}
+
+/// Check that a JSON file is not a file of another kind than this one: a mechanism, a study or a system.
+///
+/// # Errors
+/// The file has the keys of another kind. The message names the command for it.
+pub fn check_content(wanted: &str, text: &str) -> Result<()> {
+    const KINDS: [(&str, &str, &str); 3] = [
+        ("mechanism", "bodies", "use the command simulate, check or package"),
+        ("study", "responses", "use the command sweep or optimise"),
+        ("system", "fmus", "use the command package with the option --ssp"),
+    ];
+    let Ok(root) = parse("file", text) else { return Ok(()) };
+    let mut kinds = KINDS.iter().filter(|(_, key, _)| root.member(key).is_some());
+    match (kinds.next(), kinds.next()) {
+        (Some((kind, _, remedy)), None) if *kind != wanted => bail!("this file is a {kind}, not a {wanted}; {remedy}"),
+        _ => Ok(()),
     }
 }
 
@@ -268,4 +290,26 @@ fn collect(path: &Path, name: &str, all: &mut Companions) -> Result<()> {
         return Err(refused(path, &metadata));
     }
     Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::check_content;
+
+    #[test]
+    fn a_file_of_another_kind_is_named() {
+        let [gear, study, system] = ["bodies", "responses", "fmus"].map(|key| format!("{{ \"{key}\": {{}} }}"));
+        for (wanted, text, said) in [
+            ("study", &gear, "this file is a mechanism, not a study; use the command simulate"),
+            ("system", &gear, "this file is a mechanism, not a system"),
+            ("mechanism", &study, "this file is a study, not a mechanism; use the command sweep"),
+            ("mechanism", &system, "this file is a system, not a mechanism; use the command package with"),
+        ] {
+            assert!(check_content(wanted, text).unwrap_err().to_string().starts_with(said), "{text}");
+        }
+        for text in [study.as_str(), "{}", "no JSON"] {
+            check_content("study", text).unwrap();
+        }
+    }
 }

@@ -3,36 +3,9 @@
 //! In: pairs of a name and a text. Out: a model with these parameters and inputs.
 
 use anyhow::{Context, Result, bail};
+use fmu_cli::words::comma;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::{Interface, Kind, Reference, Unit, Value, Variable};
-use std::f64::consts::PI;
-
-/// Common units, each with its SI unit, a factor and a divisor. With two numbers the conversion has only one rounding.
-const COMMON: [(&str, Unit, f64, f64); 23] = [
-    ("mm", Unit::Metre, 1.0, 1e3),
-    ("cm", Unit::Metre, 1.0, 1e2),
-    ("mm2", Unit::SquareMetre, 1.0, 1e6),
-    ("cm2", Unit::SquareMetre, 1.0, 1e4),
-    ("cm3", Unit::CubicMetre, 1.0, 1e6),
-    ("l", Unit::CubicMetre, 1.0, 1e3),
-    ("l/min", Unit::CubicMetrePerSecond, 1.0, 6e4),
-    ("mm/s", Unit::MetrePerSecond, 1.0, 1e3),
-    ("rpm", Unit::RadianPerSecond, PI, 30.0),
-    ("ms", Unit::Second, 1.0, 1e3),
-    ("min", Unit::Second, 60.0, 1.0),
-    ("g", Unit::Kilogram, 1.0, 1e3),
-    ("t", Unit::Kilogram, 1e3, 1.0),
-    ("kN", Unit::Newton, 1e3, 1.0),
-    ("kN.m", Unit::NewtonMetre, 1e3, 1.0),
-    ("N/mm", Unit::NewtonPerMetre, 1e3, 1.0),
-    ("kN/m", Unit::NewtonPerMetre, 1e3, 1.0),
-    ("kJ", Unit::Joule, 1e3, 1.0),
-    ("kW", Unit::Watt, 1e3, 1.0),
-    ("kPa", Unit::Pascal, 1e3, 1.0),
-    ("bar", Unit::Pascal, 1e5, 1.0),
-    ("MPa", Unit::Pascal, 1e6, 1.0),
-    ("%", Unit::One, 1.0, 1e2),
-];
 
 /// The values in these words, as `name=value` or as two words, in the order of the variables of the model.
 ///
@@ -60,7 +33,7 @@ pub fn parse(interface: &Interface, words: &[String]) -> Result<Vec<(Reference, 
 /// The text has the wrong type, or a wrong unit.
 pub fn value(variable: &Variable, text: &str) -> Result<Value> {
     Ok(match variable.kind {
-        Kind::Real => Value::Real(number(variable, text)?),
+        Kind::Real => Value::Real(number(&variable.name, variable.unit, text)?),
         Kind::Boolean => Value::Boolean(truth(text).with_context(|| variable.name.clone())?),
         Kind::Enumeration if variable.number_of(text).is_none() => {
             let (name, items) = (&variable.name, variable.details.items.join(", "));
@@ -121,18 +94,19 @@ fn pairs(words: &[String]) -> Result<Vec<(&str, &str)>> {
     Ok(pairs)
 }
 
-/// A number in the unit of a variable. The text may contain this unit, its display unit or another common unit.
+/// A number in the unit of the variable `name`. The text may contain this unit, its display unit or another common
+/// unit.
 ///
 /// # Errors
 /// The text is no number, or has the unit of another quantity.
-pub fn number(variable: &Variable, text: &str) -> Result<f64> {
-    let name = &variable.name;
+pub fn number(name: &str, unit: Option<Unit>, text: &str) -> Result<f64> {
     if let Ok(value) = text.parse::<f64>() {
         return Ok(value);
     }
-    if let Some(point) = decimal_comma(text) {
-        bail!("{name} = {text} has a decimal comma; write a point: {point}");
+    if let Some(fault) = comma(text) {
+        bail!("{name} = {text} {fault}");
     }
+    let own = unit.unwrap_or_default();
     // The longest prefix that is a number.
     let ends = (1..text.len()).rev().filter(|&end| text.is_char_boundary(end));
     let split =
@@ -140,30 +114,14 @@ pub fn number(variable: &Variable, text: &str) -> Result<f64> {
     let Some((value, unit)) = split else {
         bail!("{name} needs a number, not \"{}\"", text.escape_debug());
     };
-    let own = variable.unit.unwrap_or_default();
-    let known = || COMMON.iter().filter(|(_, si, ..)| *si == own);
-    match (own.display(), known().find(|(common, ..)| *common == unit)) {
-        _ if unit == own.name() => Ok(value),
-        (Some((shown, factor)), _) if unit == shown => Ok(value / factor),
-        (_, Some((.., by, over))) => Ok(value * by / over),
-        (display, None) => {
-            let names = display.map(|(shown, _)| shown).into_iter().chain(known().map(|(common, ..)| *common));
-            let others: String = names.map(|other| format!(" or {other}")).collect();
-            let own = own.name();
-            bail!(
-                "the unit of {name} is {own}{others}, not \"{}\"; convert the value to {own}{others}",
-                unit.escape_debug()
-            )
-        }
-    }
-}
-
-/// A number with a decimal comma, also before a unit, with a point instead of the comma. None if the text has no such
-/// number.
-pub fn decimal_comma(text: &str) -> Option<String> {
-    let (before, after) = text.split_once(',')?;
-    let is_number = before.parse::<f64>().is_ok() && after.starts_with(|c: char| c.is_ascii_digit());
-    is_number.then(|| format!("{before}.{after}"))
+    own.convert(value, unit).with_context(|| {
+        let others: String = own.others().map(|(other, ..)| format!(" or {other}")).collect();
+        let own = own.name();
+        format!(
+            "the unit of {name} is {own}{others}, not \"{}\"; convert the value to {own}{others}",
+            unit.escape_debug()
+        )
+    })
 }
 
 /// The variable with this name.
@@ -193,6 +151,7 @@ pub fn truth(text: &str) -> Result<bool> {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
+    use linkage_fmu::variables::COMMON;
 
     const GEAR: &str = include_str!("../../modelDescription/LandingGearRetraction/resources/mechanism.json");
 
@@ -252,6 +211,7 @@ mod tests {
             (&["crank.start_angle=12grad"], "the unit of crank.start_angle is rad or deg, not \"grad\""),
             (&["crank.length=12kN"], "the unit of crank.length is m or mm or cm, not \"kN\""),
             (&["crank.mass=heavy"], "crank.mass needs a number, not \"heavy\""),
+            (&["actuator.force", "40,000"], "actuator.force = 40,000 is ambiguous; write 40000, or 40 if"),
             (&["crank.mass", "0,5"], "has a decimal comma; write a point: 0.5"),
             (&["crank.start_angle=-12,5 deg"], "has a decimal comma; write a point: -12.5 deg"),
             (&["crank.mass=-1"], "crank.mass"),

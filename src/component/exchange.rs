@@ -59,7 +59,7 @@ impl Component {
         Ok(self.exchange_model()?.nominals()?)
     }
 
-    /// Sets trial states of the host's solver: position, speed, then integral parts. Integral parts that are not given
+    /// Sets trial states of the host's solver: position, speed, then states of controllers. Those that are not given
     /// keep their values.
     ///
     /// # Errors

@@ -49,11 +49,12 @@ impl Saved {
     /// # Errors
     /// A work counter is near overflow.
     pub fn serialise(&mut self, identity: [u64; 2], bytes: Vec<u8>) -> Result<Vec<u8>, Refusal> {
-        let [guid, structure] = identity.map(u64::to_le_bytes);
-        let phases = [self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)];
         let mut writer = Writer::new(bytes);
-        let head = [&MAGIC[..], &VERSION.to_le_bytes(), &[0; 8], &guid, &structure, &phases];
-        head.iter().for_each(|part| writer.extend(part));
+        writer.put(MAGIC);
+        writer.put(VERSION.to_le_bytes());
+        writer.put([0; 8]);
+        identity.iter().for_each(|hash| writer.put(hash.to_le_bytes()));
+        writer.put([self.phase.place(), u8::from(self.awaits_event), u8::from(self.set_up)]);
         let mut record = Record::Write(&mut writer);
         record_tolerance(&mut self.tolerance, &mut record).map_err(damaged)?;
         self.clock.record(&mut record).map_err(damaged)?;

@@ -177,7 +177,8 @@ pub fn number_with_unit(text: &str) -> Option<(&str, &str)> {
         ends.map(|end| text.split_at(end)).find(|(number, _)| number.trim_end().parse::<f64>().is_ok())?;
     let is_part = |c: char| c.is_alphanumeric() || "./^\u{b0}\u{b2}\u{b3}\u{b7}".contains(c);
     let unit = unit.trim_start();
-    let is_unit = unit.starts_with(|c: char| c.is_alphabetic() || c == '\u{b0}') && unit.chars().all(is_part);
+    let is_unit =
+        unit == "%" || unit.starts_with(|c: char| c.is_alphabetic() || c == '\u{b0}') && unit.chars().all(is_part);
     // Names of units are short. A name in the file may have any length.
     let is_short = unit.split(|c: char| !c.is_alphabetic()).all(|word| word.len() <= 4 || word.starts_with("deg"));
     (is_unit && is_short && CONSTANTS.iter().all(|(name, _)| *name != unit)).then(|| (number.trim_end(), unit))

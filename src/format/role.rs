@@ -25,7 +25,7 @@ pub enum Role {
     Scale,
     /// The laws of a hydraulic circuit.
     Circuit,
-    /// The pressures or the integral parts of controllers at the start.
+    /// The pressures or the states of controllers at the start.
     CircuitStart,
     /// Only the numbers whose expressions contain the parameter.
     Named,

@@ -49,7 +49,7 @@ impl<const N: usize> Dense<N> {
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("interpolant", &mut self.start)?;
         record.all_finite("interpolant", &mut self.end)?;
-        self.terms.iter_mut().try_for_each(|term| record.all_finite("interpolant", term))
+        record.all_finite("interpolant", self.terms.as_flattened_mut())
     }
 
     /// State at the part s of the step, 0 <= s <= 1. Other s give the extrapolation.

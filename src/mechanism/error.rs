@@ -218,9 +218,9 @@ impl fmt::Display for ModelError {
                 f.write_str("doStep was called before the initialisation: initialise the instance first")
             }
             Self::NoHydraulics => f.write_str(
-                "the library of this FMU is for mechanisms without hydraulics and without integral_gain, but the \
-                 definition contains a hydraulic circuit, a network or integral_gain: build the FMU again from the \
-                 changed definition, with cargo fmu package",
+                "the library of this FMU is for mechanisms without hydraulics, integral_gain and force_time_constant, \
+                 but the definition contains a hydraulic circuit, a network or one of these keys: build the FMU again \
+                 from the changed definition, with cargo fmu package",
             ),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(

@@ -81,10 +81,11 @@ impl ParameterValues {
         }
     }
 
-    /// Whether inputs decide where the mechanism starts, which no parameter changes: at an equilibrium, or where the
-    /// motion of a drive is prescribed.
+    /// Whether inputs decide the start, which no parameter changes: at an equilibrium, where the motion of a drive is
+    /// prescribed, or with the force of a controller that a drive follows.
     pub fn starts_by_inputs(&self) -> bool {
-        self.mechanism.start.equilibrium || self.mechanism.motion_drive().is_some()
+        let mechanism = &self.mechanism;
+        mechanism.start.equilibrium || mechanism.motion_drive().is_some() || mechanism.has_forces_by_inputs()
     }
 
     pub fn method(&self) -> Method {

@@ -1,5 +1,6 @@
 //! The quantity of each variable of a mechanism.
 use crate::hydraulics::network::outputs as network;
+use crate::mechanism::definition::ControlState;
 
 /// What stops do to a mechanism: nothing; a bumper pushes; it rests on a rigid stop or a lock holds it there; it has
 /// come to a stop, whose impact is still to follow.
@@ -63,7 +64,7 @@ pub enum Indicator {
     /// index among the joints with friction: where it changes its sign, the friction jumps while the mechanism moves.
     Turn(usize),
     /// What is missing for setting off from rest, where drives with an efficiency or friction hold the mechanism and a
-    /// controller has an integral part.
+    /// controller has states.
     Breakaway,
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
@@ -73,8 +74,9 @@ pub enum Indicator {
     /// The normal force of a prismatic joint with friction, by its index among the joints with friction: its magnitude
     /// decides on the friction.
     NormalForce(usize),
-    /// The distance of the force of a controlled drive from its lower or its upper limit, by the index of the drive.
-    Limit { drive: usize, upper: bool },
+    /// The distance of the force of a controlled drive or of its change from a limit, by the index of the drive and
+    /// that of the limit.
+    Limit { drive: usize, side: usize },
     /// The points of a curve.
     Points(Curve),
 }
@@ -115,9 +117,8 @@ pub enum Output {
     /// Force or torque with which a drive acts, by the index of its load: that of the input, or that which its
     /// prescribed motion takes.
     ActingForce { drive: usize },
-    /// Integral part of the force of a controlled drive, or its rate. In model exchange the former is a continuous
-    /// state.
-    Integral { drive: usize, order: usize },
+    /// A state of the controller of a drive, or its rate. In model exchange the former is a continuous state.
+    Controller { drive: usize, state: ControlState, order: usize },
     /// Force or torque of a spring and damper.
     SpringForce { spring: usize },
     /// Position of a marker along the axis 0 for x or 1 for y.

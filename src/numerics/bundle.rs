@@ -18,10 +18,20 @@ impl Row {
     /// Coefficients of [`ROW`] functions that are 0.
     pub const ZERO: Self = Self([[0.0; ROW]; NODES]);
 
+    /// Replaces the coefficients by those of these functions.
+    #[inline]
+    pub fn set(&mut self, functions: [&Series; ROW]) {
+        for (power, coefficients) in self.0.iter_mut().enumerate() {
+            *coefficients = functions.map(|series| series[power]);
+        }
+    }
+
     /// Coefficients of these functions.
     #[inline]
     pub fn of(functions: [&Series; ROW]) -> Self {
-        Self(std::array::from_fn(|power| functions.map(|series| series[power])))
+        let mut row = Self::ZERO;
+        row.set(functions);
+        row
     }
 
     /// Adds `size` times other functions.
@@ -86,41 +96,6 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
     sums.iter_mut().zip(rows).for_each(|(sum, row)| sum.add(size, row));
 }
 
-/// Sets `sums` to the sum of terms, each a size times as many of the `rows`.
-#[inline]
-pub fn sum_rows(sums: &mut [Row], sizes: impl Iterator<Item = f64> + Clone, rows: &[Row]) {
-    processor::run(Sum { sums, sizes, rows });
-}
-
-/// Terms to sum.
-struct Sum<'a, I> {
-    sums: &'a mut [Row],
-    sizes: I,
-    rows: &'a [Row],
-}
-
-impl<I: Iterator<Item = f64> + Clone> Task for Sum<'_, I> {
-    type Result = ();
-
-    #[inline(always)]
-    fn run<A: Arithmetic>(self) {
-        /// Powers that are summed together, so that their sums stay in registers.
-        const BLOCK: usize = NODES / 2;
-        let parts = self.sums.len();
-        for (part, sum) in self.sums.iter_mut().enumerate() {
-            for (k, block) in sum.0.as_chunks_mut::<BLOCK>().0.iter_mut().enumerate() {
-                let mut all = [[0.0; ROW]; BLOCK];
-                for (size, rows) in self.sizes.clone().zip(self.rows.chunks_exact(parts)) {
-                    for (sum, c) in all.iter_mut().zip(&rows[part].0.as_chunks::<BLOCK>().0[k]) {
-                        *sum = multiply_add::<A>(&[size; ROW], c, sum);
-                    }
-                }
-                *block = all;
-            }
-        }
-    }
-}
-
 /// Values of functions side by side at x. If x carries derivatives, the values do too.
 #[inline]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
@@ -149,21 +124,14 @@ impl<T: Number> Task for Evaluation<'_, T> {
     }
 }
 
-/// Sum over terms of P rows each: the values of `leading`, plus the values of each term times its size. Each function
-/// of a row has its x.
+/// Sum over terms of up to P rows each: the values of each term times its size. Each function of a row has its x.
 #[inline]
-pub fn sum_at<T: Number, const P: usize>(
-    leading: &[Row],
-    terms: (&[Row], usize),
-    sizes: &[T],
-    x: [T; ROW],
-) -> [[T; ROW]; P] {
-    processor::run(Terms { leading, terms, sizes, x })
+pub fn sum_at<T: Number, const P: usize>(terms: (&[Row], usize), sizes: &[T], x: [T; ROW]) -> [[T; ROW]; P] {
+    processor::run(Terms { terms, sizes, x })
 }
 
-/// Terms to sum: rows of the leading term, rows of all other terms with the number of rows of each, their sizes.
+/// Terms to sum: their rows with the number of rows of each, their sizes.
 struct Terms<'a, T, const P: usize> {
-    leading: &'a [Row],
     terms: (&'a [Row], usize),
     sizes: &'a [T],
     x: [T; ROW],
@@ -175,9 +143,6 @@ impl<T: Number, const P: usize> Task for Terms<'_, T, P> {
     #[inline(always)]
     fn run<A: Arithmetic>(self) -> Self::Result {
         let mut sums = [[T::constant(0.0); ROW]; P];
-        for (sum, row) in sums.iter_mut().zip(self.leading) {
-            *sum = row_at::<A, T>(row, &self.x);
-        }
         let (rows, parts) = self.terms;
         for (term, &size) in rows.chunks_exact(parts.max(1)).zip(self.sizes) {
             for (sum, row) in sums.iter_mut().zip(term) {
@@ -289,20 +254,20 @@ mod tests {
     }
 
     proptest! {
-        /// The value of a sum of functions is the sum of their values, whatever the previous contents of the rows.
+        /// The sum of terms is the sum of sizes times values by Horner's scheme, row by row of a term.
         #[test]
-        fn sums_of_rows_have_the_sums_of_values(sizes in proptest::array::uniform2(-9.0..9.0f64),
+        fn terms_have_the_sums_of_values(sizes in proptest::array::uniform2(-9.0..9.0f64),
             c in proptest::array::uniform16(-1.0..1.0f64), x in -1.0..1.0f64) {
-            let terms = [Row::of([&c; ROW]), Row::of([&c.map(|c| 1.0 - c); ROW])];
-            let mut sums = [Row::of([&[7.0; NODES]; ROW])];
-            sum_rows(&mut sums, sizes.into_iter(), &terms);
-            let mut values = [[0.0; ROW]; 2];
-            side_by_side_at(&terms, x, &mut values);
-            let mut value = [[0.0; ROW]];
-            side_by_side_at(&sums, x, &mut value);
-            let expected = sizes[0] * values[0][0] + sizes[1] * values[1][0];
-            // Two terms of 16 powers, each at most 18 in size.
-            prop_assert!((value[0][0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
+            let functions = [c, c.map(|c| 1.0 - c), [0.5; NODES], c.map(|c| -c)];
+            let rows = functions.each_ref().map(|function| Row::of([function; ROW]));
+            let sums: [[f64; ROW]; 3] = sum_at((&rows, 2), &sizes, [x; ROW]);
+            let horner = |k: usize| functions[k].iter().rev().fold(0.0, |sum, c| sum * x + c);
+            for part in 0..2 {
+                let expected = sizes[0] * horner(part) + sizes[1] * horner(2 + part);
+                // Two terms of 16 powers, each at most 18 in size.
+                prop_assert!((sums[part][0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
+            }
+            prop_assert_eq!(sums[2], [0.0; ROW]);
         }
     }
 

@@ -130,6 +130,16 @@ impl<const K: usize> Task for Evaluation<'_, K> {
     }
 }
 
+/// Value of the first polynomial as [`polynomial`] computes it, and values of the others as [`polynomials`] does.
+#[inline(always)]
+pub fn polynomial_and_others<A: Arithmetic, const K: usize>(series: &[Series; K], x: f64) -> [f64; K] {
+    let mut values = [0.0; K];
+    for (k, (value, series)) in values.iter_mut().zip(series).enumerate() {
+        *value = if k == 0 { polynomial(series, x) } else { by_residues::<A>(series, x) };
+    }
+    values
+}
+
 /// Value at x: four independent Horner schemes in x^4, one for each residue of the power modulo 4.
 #[inline(always)]
 fn by_residues<A: Arithmetic>(c: &Series, x: f64) -> f64 {

@@ -16,7 +16,7 @@ use std::ops::Deref;
 
 pub use continuous::ContinuousTime;
 pub use terminal::{Member, Terminal};
-pub use unit::Unit;
+pub use unit::{COMMON, Unit};
 pub use vector::Vector;
 
 /// Largest number of suggested names for an unknown name.
@@ -201,7 +201,11 @@ impl Interface {
     /// `bodies.crank.length` or `start.angle`, the variable of this key is the first.
     pub fn nearest(&self, name: &str) -> Vec<&str> {
         let names = || self.list.iter().map(|variable| variable.name.as_str());
-        let mut all = nearest(names(), name);
+        let inside = |other: &&str| other.strip_prefix(name).is_some_and(|rest| rest.starts_with('.'));
+        let mut all = nearest(names().filter(inside), name);
+        if all.is_empty() {
+            all = nearest(names(), name);
+        }
         let of_key = name.split_once('.').and_then(|(group, rest)| {
             names().find(|other| match other.rsplit_once(".start_") {
                 Some((_, quantity)) if group == "start" => quantity == rest,

@@ -41,6 +41,33 @@ pub enum Unit {
     KilogramSquareMetrePerSecond,
 }
 
+/// Common units, each with its SI unit, a factor and a divisor. With two numbers the conversion has only one rounding.
+pub const COMMON: [(&str, Unit, f64, f64); 23] = [
+    ("mm", Unit::Metre, 1.0, 1e3),
+    ("cm", Unit::Metre, 1.0, 1e2),
+    ("mm2", Unit::SquareMetre, 1.0, 1e6),
+    ("cm2", Unit::SquareMetre, 1.0, 1e4),
+    ("cm3", Unit::CubicMetre, 1.0, 1e6),
+    ("l", Unit::CubicMetre, 1.0, 1e3),
+    ("l/min", Unit::CubicMetrePerSecond, 1.0, 6e4),
+    ("mm/s", Unit::MetrePerSecond, 1.0, 1e3),
+    ("rpm", Unit::RadianPerSecond, std::f64::consts::PI, 30.0),
+    ("ms", Unit::Second, 1.0, 1e3),
+    ("min", Unit::Second, 60.0, 1.0),
+    ("g", Unit::Kilogram, 1.0, 1e3),
+    ("t", Unit::Kilogram, 1e3, 1.0),
+    ("kN", Unit::Newton, 1e3, 1.0),
+    ("kN.m", Unit::NewtonMetre, 1e3, 1.0),
+    ("N/mm", Unit::NewtonPerMetre, 1e3, 1.0),
+    ("kN/m", Unit::NewtonPerMetre, 1e3, 1.0),
+    ("kJ", Unit::Joule, 1e3, 1.0),
+    ("kW", Unit::Watt, 1e3, 1.0),
+    ("kPa", Unit::Pascal, 1e3, 1.0),
+    ("bar", Unit::Pascal, 1e5, 1.0),
+    ("MPa", Unit::Pascal, 1e6, 1.0),
+    ("%", Unit::One, 1.0, 1e2),
+];
+
 impl Unit {
     /// All units.
     pub const ALL: [Self; 34] = [
@@ -130,6 +157,35 @@ impl Unit {
     pub fn base(self) -> [(&'static str, i8); 4] {
         let [kg, m, s, rad] = self.row().1;
         [("kg", kg), ("m", m), ("s", s), ("rad", rad)]
+    }
+
+    /// Common units of the same quantity: name, factor and divisor. The display unit, if there is one, comes first.
+    pub fn others(self) -> impl Iterator<Item = (&'static str, f64, f64)> {
+        let display = self.display().map(|(name, factor)| (name, 1.0, factor));
+        let common = COMMON.iter().filter(move |(_, si, ..)| *si == self);
+        display.into_iter().chain(common.map(|(name, _, by, over)| (*name, *by, *over)))
+    }
+
+    /// A number that is stated in the unit `stated`, in this unit. None if `stated` is no unit of the same quantity.
+    pub fn convert(self, number: f64, stated: &str) -> Option<f64> {
+        // kNm, kN.m and kN·m are one unit; m/s^2, m/s² and m/s2 too.
+        let plain = |name: &str| -> String {
+            let signs = name.chars().filter(|c| !".^\u{b7}".contains(*c));
+            let digits = signs.map(|c| match c {
+                '\u{b2}' => '2',
+                '\u{b3}' => '3',
+                c => c,
+            });
+            digits.collect::<String>().replace('\u{b0}', "deg")
+        };
+        let stated = plain(stated);
+        let own = (self != Self::One && plain(self.name()) == stated).then_some(number);
+        own.or_else(|| self.others().find(|(name, ..)| plain(name) == stated).map(|(_, by, over)| number * by / over))
+    }
+
+    /// The unit of the quantity with this name of a unit, and the number in this unit.
+    pub fn of_quantity(number: f64, stated: &str) -> Option<(Self, f64)> {
+        Self::ALL.into_iter().find_map(|unit| Some((unit, unit.convert(number, stated)?)))
     }
 
     /// Display unit, if there is one: name and factor. Value in the display unit = factor * value.

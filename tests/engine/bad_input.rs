@@ -47,7 +47,11 @@ fn keys_and_types() {
         (r#""mass": 13.689"#, r#""mass": true"#, &["bodies.crank.mass", "not true", "must be a number", "line"]),
         (r#""mass": 13.689"#, r#""mass": "13 kg""#, &["bodies.crank.mass", r#""13 kg""#, "write 13", "in kg"]),
         (r#""mass": 13.689"#, r#""mass": "13 lb""#, &["bodies.crank.mass", "the number in kg"]),
-        (r#""crank": 0.8"#, r#""crank": "46 deg""#, &["guess.crank", "without a unit"]),
+        (r#""crank": 0.8"#, r#""crank": "46 deg""#, &["guess.crank", "write 0.8028514559 without a unit", "in rad"]),
+        (r#""stop_time": 0.15"#, r#""stop_time": "150 ms""#, &["experiment.stop_time", "write 0.15 ", "is in s"]),
+        (r#""stop_time": 0.15"#, r#""stop_time": "1 N""#, &["experiment.stop_time", "the number in s, without"]),
+        (r#""force": 30000"#, r#""force": "40 kN""#, &["force: ", "write 40000 ", "is in N"]),
+        (r#""bodies": {"#, r#""parameters": { "p": "4 kN" }, "bodies": {"#, &[r#"{ "value": 4000, "unit": "N" }"#]),
         (r#""actuators": {"#, r#""actuator": {"#, &["actuator", "did you mean `actuators`?"]),
         (
             r#""length": 0.1755"#,
@@ -66,6 +70,13 @@ fn keys_and_types() {
         (r#""follower": { "on""#, r#""f-1": { "on""#, &[r#"torques = "f-1""#, "letter"]),
     ] {
         check(&changed(from, to), fragments);
+    }
+    let other = changed(r#""name": "#, r#""units": { "length": "mm", "angle": "deg" }, "name": "#);
+    for (from, to, fragments) in [
+        (r#""crank": 0.8"#, r#""crank": "0.5 rad""#, &["guess.crank", "write 28.64788976 ", "is in deg"]),
+        ("[-0.050,", r#"["-0.75 m","#, &["points.actuator[0]", "write -750 ", "is in mm"]),
+    ] {
+        check(&other.replacen(from, to, 1), fragments);
     }
 }
 
@@ -348,6 +359,8 @@ fn starts_out_of_reach() {
         &text,
         &["crank.start_angle = 7 rad cannot be reached", "0.7168146928 rad is the same position: write this value"],
     );
+    let degrees = text.replace(r#""angle": 7.0"#, r#""angle": 45"#);
+    check(&degrees, &["crank.start_angle = 45 rad cannot be reached", "; if you mean 45 degrees, write 45deg after"]);
     // A crank that rotates fully may start in any turn.
     Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
 }

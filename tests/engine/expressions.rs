@@ -332,6 +332,8 @@ fn an_expression_with_an_unclear_unit_gives_a_warning() {
         }
         let model = Model::from_json(&file.to_string()).unwrap();
         let found = model.warnings().iter().filter(|w| w.message.contains("expressions are in SI units"));
+        let is_number = text.parse::<f64>().is_ok();
+        assert!(found.clone().all(|w| w.remedy.contains("remove the quotes") == is_number), "{text}");
         found.map(|w| w.path.clone()).collect::<Vec<_>>()
     };
     for (key, text) in [

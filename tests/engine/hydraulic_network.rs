@@ -177,13 +177,27 @@ fn faulty_networks_are_rejected_with_their_key() {
         }),
         &["hydraulics.cylinders.brace", "actuators", "guy"],
     );
-    for (key, value) in [("force", json!(3)), ("efficiency", json!(0.9)), ("points", json!([[0, 1], [1, 0]]))] {
+    for (key, value) in [
+        ("force", json!(3)),
+        ("efficiency", json!(0.9)),
+        ("backward_efficiency", json!(0.9)),
+        ("points", json!([[0, 1], [1, 0]])),
+        ("control", json!({ "position_gain": 1 })),
+    ] {
         let text = error(&|arm| arm["actuators"]["guy"][key] = value.clone());
         assert_says(text, &["actuators.guy", key, "remove this key"]);
     }
     assert_says(
         error(&|arm| arm["actuators"]["guy"] = json!({ "joint": "pivot" })),
         &["actuators.guy", "cylinder of the network", "prismatic"],
+    );
+    assert_says(
+        error(&|arm| {
+            arm["joints"]["rail"] =
+                json!({ "type": "slot", "first": "ground.origin", "second": "arm.end", "radius": 1 });
+            arm["actuators"]["guy"] = json!({ "joint": "rail" });
+        }),
+        &["actuators.guy.joint", "straight line", "slot is curved", "two points"],
     );
     assert_says(
         error(&|arm| arm["actuators"]["lift"]["hydraulics"] = json!({})),

@@ -112,6 +112,15 @@ fn dependencies_of_curves_are_true() {
     check_dependencies(&Run::new(CURVES).with(&start).with(&[("friction.enabled", true)]), false);
 }
 
+/// A force with a delay follows from the inputs of its controller at the start, and from no input at once afterwards.
+#[test]
+fn dependencies_of_a_delayed_force_are_true() {
+    let mut gear: serde_json::Value = serde_json::from_str(&without_method()).unwrap();
+    gear["actuators"]["actuator"]["control"] =
+        serde_json::json!({ "position_gain": 1e4, "speed_gain": 300, "command": 0.4, "force_time_constant": 0.01 });
+    check_dependencies(&general(&gear.to_string(), true), false);
+}
+
 /// If the formulation can be chosen, the stated dependencies cover both formulations.
 #[test]
 fn dependencies_hold_for_both_formulations() {

@@ -178,6 +178,12 @@ fn equilibrium_true_searches_from_the_guess() {
     let eigenfrequency = stable.quantities.iter().find(|quantity| quantity.unit == "Hz").unwrap();
     close(eigenfrequency.value, (G / 0.5).sqrt() / TAU, 1.0);
     assert!(equilibria.iter().any(|fact| fact.text.starts_with("unstable")));
+    // A guess beyond a stop, as the rounded coordinates of a drawing: the search begins at the stop, and may end there.
+    for (limit, angle, expected) in [("lower", -0.5, -0.5), ("upper", -0.2, -FRAC_PI_2)] {
+        definition["guess"] = json!({ "arm": if limit == "lower" { -0.6 } else { -0.1 } });
+        definition["stops"] = json!({ "s": { "body": "arm", "limit": limit, "angle": angle } });
+        close(Run::new(&definition).started().get("arm.angle"), expected, 1.0);
+    }
     // With `equilibrium` in an object, a change of its parameters starts a new search.
     let mut run = Run::new(pendulum());
     run.set("arm.start_angle", -1.2 + TAU);

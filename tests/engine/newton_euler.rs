@@ -50,6 +50,28 @@ fn imbalance(linkage: &Linkage, run: &mut Run) -> f64 {
     Motion::of(linkage, &state).imbalance(&reactions)
 }
 
+/// Of more than eight acting loads the reactions are summed up before they are read, of fewer afterwards.
+#[test]
+fn every_body_is_in_balance_under_many_and_few_loads_that_change() {
+    let names: Vec<String> = (0..6).flat_map(|k| ["x", "y"].map(|axis| format!("f{k}.force_{axis}"))).collect();
+    let text = changed(without_stops(), |m| {
+        for k in 0..6 {
+            let at = ["coupler.end", "wheel.origin", "crank.end"][k % 3];
+            m["forces"][format!("f{k}")] = json!({ "at": at });
+        }
+    });
+    let definition = serde_json::from_str(&text).unwrap();
+    let mut gear = Run::new(&text);
+    gear.place(("crank.start_angle", 0.2), ("crank.start_speed", 3.0));
+    for (change, acting) in [12, 12, 11, 3, 3, 0, 7, 12].into_iter().enumerate() {
+        for (k, name) in names.iter().enumerate() {
+            gear.set(name, if k < acting { 900.0 * (k as f64 - 4.5) + 100.0 * change as f64 } else { 0.0 });
+        }
+        let worst = imbalance(&loaded(&definition, &mut gear), &mut gear);
+        assert!(worst < 1e-10, "imbalance {worst:e} under {acting} loads");
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]

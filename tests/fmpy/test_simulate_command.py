@@ -173,7 +173,7 @@ def test_an_actuator_without_a_linkage_has_no_film(simulate: Command) -> None:
         (["--input-file", "missing.csv"], "missing.csv"),
         (["--input-file", "wrong.csv"], "line 3: the time decreases to 0 s"),
         (["--plot", "run.bmp"], "must end in .png, .svg or .pdf"),
-        (["--output-file", "no/such/folder.csv"], "does not exist; create it first"),
+        (["--output-file", "wrong.csv/run.csv"], "the folder cannot be created; give another folder"),
         (["--output-file", "run.xlsx"], "must end in .csv or .parquet"),
         (["--gif", "run.mp4"], "must end in .gif"),
         (["--output-variables", "crank.angle", "crank.angle"], "crank.angle occurs twice"),

@@ -84,8 +84,8 @@ def targets(gear: lf.Mechanism, random: random.Random) -> list[Any]:
     ]
 
 
-# Functions that open a browser, need minutes, or that only the package calls.
-LEFT_OUT = {"open", "optimise", "sweep", "package", "equilibria", "check", "view", "import_module", "wrong"}
+# Functions that open a browser, need minutes, or that only the package calls, and a type.
+LEFT_OUT = {"open", "optimise", "sweep", "package", "equilibria", "check", "view", "import_module", "wrong", "Part"}
 
 
 def calls(target: Any) -> list[Callable[..., Any]]:  # noqa: ANN401

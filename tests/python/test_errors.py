@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,6 +10,7 @@ from typing import Any
 import linkage_fmu as lf
 import numpy as np
 import pytest
+from linkage_fmu import build
 
 INPUTS = ["actuator.force", "load_factor", "airspeed", "wheel.force_x"]
 
@@ -88,7 +90,16 @@ def test_a_mechanism_without_masses_has_no_dynamics() -> None:
         (lambda g, s: s.step(10**400), "too large"),
         (lambda g, s: s["\udc80"], "name"),
         (lambda g, s: s.set(["friction.enabled", "crank.mass"], ["maybe", 20]), "is not true or false"),
-        (lambda g, s: lf.Mechanism({"name": {1, 2}}), "cannot be written as JSON"),
+        (lambda g, s: lf.Mechanism({"name": {1, 2}}), "a value of the type set has no form in JSON"),
+        (lambda g, s: lf.Mechanism({"bodies": {"crank": {"mass": np.nan}}}), "source: bodies.crank.mass = nan"),
+        (
+            lambda g, s: lf.sweep({"factors": {"a": {"values": np.array([1, np.inf])}}}),
+            "study: factors.a.values.1 = inf",
+        ),
+        (lambda g, s: lf.sweep({"factors": {}}, g), "study: not a valid study: the key `responses` is missing"),
+        (lambda g, s: build.mechanism("A", build.pin("a", "ground", "b", at=np.array(8))), "is not a point"),
+        (lambda g, s: g.simulate(set_input_derivatives="no"), "set_input_derivatives = 'no': must be True or False"),
+        (lambda g, s: g.package(animation="no"), "animation = 'no': must be True or False"),
         (lambda g, s: lf.sweep(5), "study = 5: must be a path"),
         (lambda g, s: lf.info(None), "path = None: must be a path"),
         (lambda g, s: g.simulate(relative_tolerance=-1), "relative_tolerance"),
@@ -173,6 +184,12 @@ def test_a_panic_is_an_exception() -> None:
     with pytest.raises(lf.InternalError, match="please report it"):
         lf._engine.panics()
     assert lf.example("FourBar").simulate(stop_time=0.01, output=["crank.angle"])["crank.angle"].size > 1
+
+
+def test_a_remedy_has_no_option_of_the_command_line(gear: lf.Mechanism, tmp_path: Path) -> None:
+    with pytest.raises(lf.InputError) as caught:
+        gear.package(tmp_path, platforms=["x86_64-darwin", "x86_64-windows", "aarch64-linux"])
+    assert re.search(r"libraries for: [^;]*; install a wheel [^;,]*$", str(caught.value).splitlines()[0])
 
 
 def test_names_belong_to_their_mechanism(simulation: lf.Simulation) -> None:

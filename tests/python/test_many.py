@@ -46,6 +46,7 @@ def test_hydraulic_systems_too() -> None:
         ({"load_factor": 1.0}, 0.1, None, "no value is an array"),
         ({"load_factor": [1.0, 2.0], "airspeed": [1.0]}, 0.1, None, "load_factor has 2, airspeed has 1"),
         ({"load_factor": [[1.0, 2.0]]}, 0.1, None, "load_factor must be one number, or one column"),
+        ({"load_factor": [[1], [1, 2]]}, 0.1, None, "load_factor must be one number, or one column"),
         ({"load_factor": []}, 0.1, None, "load_factor must be one number, or one column"),
         ({"load_factor": ["1", "2"]}, 0.1, None, "load_factor must be one number, or one column"),
         ({"load_facter": [1.0]}, 0.1, None, "load_factor"),

@@ -31,6 +31,29 @@ def test_every_name_is_there() -> None:
         _ = lf.simulat
 
 
+def test_a_missing_package_is_named_before_a_study(gear: lf.Mechanism, monkeypatch: pytest.MonkeyPatch) -> None:
+    study = {
+        "factors": {"load_factor": {"values": [1, 2]}},
+        "scenario": {},
+        "responses": {"a": {"final": "crank.angle"}},
+    }
+    run = gear.simulate(stop_time=0.0)
+    for name in ("pandas", "matplotlib"):
+        # Python raises ModuleNotFoundError for such a package.
+        monkeypatch.setitem(sys.modules, name, None)
+    done: list[int] = []
+    for call in (
+        run.to_pandas,
+        gear.kinematics(2).to_pandas,
+        lambda: lf.sweep(study, gear, progress=lambda *_: done.append(1)),
+    ):
+        with pytest.raises(ModuleNotFoundError, match="pip install pandas"):
+            call()
+    assert not done
+    with pytest.raises(ModuleNotFoundError, match="pip install matplotlib"):
+        run.plot("crank.angle")
+
+
 def test_the_types_are_strict(tmp_path: Path) -> None:
     """The package, and a program of a user."""
     # In a separate folder, because mypy ignores files of an environment.

@@ -14,6 +14,7 @@ from pathlib import Path
 import linkage_fmu as lf
 import matplotlib as mpl
 import numpy as np
+import pandas
 import pytest
 
 mpl.use("Agg")
@@ -50,6 +51,8 @@ def test_start_values_and_inputs_are_those_of_the_command(gear: lf.Mechanism, tm
     starts = {"crank.start_angle": "45 deg", "friction.enabled": True, "load_factor": 1}
     result = gear.simulate(0.0, 0.1, 0.002, start_values=starts, input=signal, output=OUTPUTS)
     assert np.array_equal(np.column_stack([result[name].astype(float) for name in result.names]), table)
+    frame = pandas.DataFrame(signal).set_index("time")
+    assert np.array_equal(gear.simulate(0.0, 0.1, 0.002, start_values=starts, input=frame, output=OUTPUTS), result)
     fields = np.array(list(zip(*signal.values(), strict=True)), dtype=[("time", float), ("actuator.force", float)])
     assert np.array_equal(gear.simulate(0.0, 0.1, 0.002, start_values=starts, input=fields, output=OUTPUTS), result)
 

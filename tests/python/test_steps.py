@@ -47,6 +47,8 @@ def test_every_kind_is_set_and_read(gear: lf.Mechanism) -> None:
     assert list(simulation.get(["crank.mass", "load_factor", "friction.enabled"])) == [20, 1, 1]
     simulation.reset()
     assert simulation["crank.mass"] == pytest.approx(13.689)
+    assert "crank.mass" in simulation
+    assert "crank.mas" not in simulation
 
 
 def test_a_parameter_ends_a_run(simulation: lf.Simulation) -> None:

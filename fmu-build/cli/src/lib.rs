@@ -7,6 +7,7 @@ pub mod installed;
 mod libraries;
 mod program;
 pub mod python;
+mod tips;
 pub mod words;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -14,6 +15,7 @@ pub use libraries::{Dist, Fmi, Library, Naming, PLATFORMS, Package, Platform, Te
 pub use program::Program;
 use std::ffi::OsString;
 use std::path::PathBuf;
+pub use tips::parsed;
 
 /// Packs, checks, runs and tests mechanisms as FMUs.
 #[derive(Parser)]
@@ -127,7 +129,7 @@ pub struct View {
     #[arg(long)]
     pub open: bool,
     /// Open an editor for the definition next to the moving mechanism. The page shows the motion after each change,
-    /// until /// you stop the command with Ctrl-C
+    /// until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Port of the live page on 127.0.0.1 [default: a free port]
@@ -213,6 +215,9 @@ fn seconds(text: &str) -> Result<f64, String> {
     if let Ok(seconds) = text.parse() {
         return Ok(seconds);
     }
+    if let Some(fault) = words::comma(text) {
+        return Err(fault);
+    }
     let number = text.trim_end_matches(char::is_alphabetic);
     let factor = match &text[number.len()..] {
         "" | "s" | "sec" | "second" | "seconds" => 1.0,
@@ -221,7 +226,7 @@ fn seconds(text: &str) -> Result<f64, String> {
         "h" => 3600.0,
         _ => return Err("write a number of seconds, such as 2.5".to_owned()),
     };
-    match number.trim().replace(',', ".").parse::<f64>() {
+    match number.trim().parse::<f64>() {
         Ok(value) => Err(format!("write {} (seconds), without a unit", factor * value)),
         Err(_) => Err("write a number of seconds, such as 2.5".to_owned()),
     }
@@ -235,8 +240,11 @@ fn part(text: &str) -> Result<f64, String> {
     if let Ok(part) = text.parse() {
         return Ok(part);
     }
+    if let Some(fault) = words::comma(text) {
+        return Err(fault);
+    }
     let (number, of) = text.strip_suffix('%').map_or((text, 1.0), |percent| (percent, 100.0));
-    match number.trim().replace(',', ".").parse::<f64>() {
+    match number.trim().parse::<f64>() {
         Ok(value) => Err(format!("write {} (a fraction of 1), without a unit", value / of)),
         Err(_) => Err("write a fraction of 1, such as 1e-6".to_owned()),
     }

@@ -21,16 +21,16 @@ pub struct Package {
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll); can
-    /// be given several times
+    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
+    /// option can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// Convention of the variable names in modelDescription.xml. `structured`: dots structure the names, for simulation
-    /// tools that show a tree. `flat`: dots have no meaning. The convention does not change the names of the
-    /// variables
+    /// Convention of the variable names in modelDescription.xml. `structured`: dots divide the names into levels, for
+    /// simulation tools that show a tree. `flat`: dots have no meaning. The names of the variables do not depend on the
+    /// convention
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine]
@@ -43,18 +43,19 @@ pub struct Package {
     /// Put the library for ARM into binaries/linux64, for simulation tools that do not know aarch64-linux in FMI 2.0
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
-    /// Oldest version of glibc (the C library of Linux) with which the libraries for Linux must load, 2.17 or later.
-    /// The linker zig is installed from PyPI when this option is used for the first time
+    /// Oldest version of glibc (the C library of Linux) with which the FMU must run, 2.17 or later. The first use of
+    /// this option installs the linker zig from PyPI
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs; can
-    /// be given several times
+    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs. The
+    /// option can be given several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
     /// Do not pack documentation/animation.html, the animation of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Do not pack the tables of the mechanism: the FMU is smaller, but each instance has to compute these tables
+    /// Do not pack the tables of the mechanism. The FMU is smaller, but each instance of the FMU must compute the
+    /// tables
     #[arg(long)]
     pub no_tables: bool,
     /// Do not pack the reference results of the default experiment
@@ -126,17 +127,17 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms of the libraries in the wheel, which the installed program packs into FMUs; the program itself is for
-    /// this machine. With this option the program is built for a small file, as for a published wheel, and the build
-    /// needs some minutes more [default: this machine]
+    /// Platforms for which the installed program can pack FMUs. The program itself runs on the platform of this
+    /// machine. With this option, the program is built as a small file, and the build needs some minutes more [default:
+    /// this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
     /// an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll); can
-    /// be given several times
+    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
+    /// option can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
@@ -155,11 +156,12 @@ pub struct Dist {
 /// Arguments of `test`.
 #[derive(Args, Default)]
 pub struct Test {
-    /// Run only the test of other platforms: Wine and QEMU run the libraries, and the results are compared with this
-    /// machine
+    /// Run only the test of other platforms: Wine and QEMU run the libraries, and the test compares the results with
+    /// this machine
     #[arg(long)]
     pub platforms: bool,
-    /// Library for --platforms that was built on another machine (win64=path/to.dll); can be given several times
+    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option can be given several
+    /// times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
     /// Write the result of --platforms to validation/results/platforms.md

@@ -1,14 +1,13 @@
 //! `cargo fmu`: answers help and wrong usage. For a task, Cargo first builds the program of the task, then the program
 //! runs.
 use anyhow::{Context, Result, anyhow};
-use clap::Parser;
-use fmu_cli::{Cli, Program, python, words};
+use fmu_cli::{Cli, Program, parsed, python};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 use std::{env, thread};
 
 fn main() -> ExitCode {
-    let cli = Cli::parse_from(words::given());
+    let cli = parsed();
     let package =
         env::var_os("CARGO_MANIFEST_DIR").map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")), PathBuf::from);
     // This package is in fmu-build, in the root.

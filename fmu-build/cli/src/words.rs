@@ -48,16 +48,63 @@ fn is_negative(word: &OsStr) -> bool {
     digits.is_some_and(|rest| rest.strip_prefix(b".").unwrap_or(rest).first().is_some_and(u8::is_ascii_digit))
 }
 
+/// What is wrong with a number that contains commas, and what to write. The number may have a unit. None if the text is
+/// no such number.
+pub fn comma(text: &str) -> Option<String> {
+    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,".contains(c))).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let digits = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    let (whole, rest) = number.split_once(',')?;
+    let first = whole.trim_start_matches(['+', '-']);
+    let is_decimal = digits(rest) && digits(first);
+    let groups = rest.split('.').next().unwrap_or_default();
+    let is_grouped = digits(first)
+        && first.len() <= 3
+        && !first.starts_with('0')
+        && groups.split(',').all(|group| digits(group) && group.len() == 3)
+        && rest.matches('.').count() <= 1;
+    let joined = number.replace(',', "");
+    match (is_grouped, is_decimal) {
+        (true, true) => {
+            let point = format!("{whole}.{rest}");
+            let point = point.trim_end_matches('0').trim_end_matches('.');
+            Some(format!("is ambiguous; write {joined}{unit}, or {point}{unit} if the comma is a decimal comma"))
+        }
+        (true, false) => Some(format!("has commas between the digits; write {joined}{unit}")),
+        (false, true) => Some(format!("has a decimal comma; write a point: {whole}.{rest}{unit}")),
+        (false, false) => None,
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
-    use super::joined;
+    use super::{comma, joined};
     use crate::{Cli, Task};
     use clap::Parser;
     use std::ffi::OsString;
 
     fn parsed(line: &str) -> Result<Task, clap::Error> {
         Cli::try_parse_from(joined(line.split(' ').map(OsString::from))).map(|cli| cli.task)
+    }
+
+    #[test]
+    fn a_comma_has_every_reading_that_it_may_have() {
+        for (text, said) in [
+            ("0,5", Some("has a decimal comma; write a point: 0.5")),
+            ("-12,5 deg", Some("has a decimal comma; write a point: -12.5 deg")),
+            ("0,500", Some("has a decimal comma; write a point: 0.500")),
+            ("1,5e3", Some("has a decimal comma; write a point: 1.5e3")),
+            ("40,000", Some("is ambiguous; write 40000, or 40 if the comma is a decimal comma")),
+            ("-1,250 kN", Some("is ambiguous; write -1250 kN, or -1.25 kN if the comma is a decimal comma")),
+            ("1,234,567.8", Some("has commas between the digits; write 1234567.8")),
+            ("40", None),
+            ("a,b", None),
+            ("1,", None),
+            ("1,2,3", None),
+        ] {
+            assert_eq!(comma(text).as_deref(), said, "{text}");
+        }
     }
 
     #[test]
@@ -108,15 +155,18 @@ mod tests {
         assert_eq!(view.stop_time, Some(-1e-3));
         // Times have no unit.
         for (text, remedy) in
-            [("2s", "write 2 (seconds)"), ("-1.5min", "write -90 (seconds)"), ("2,5", "write 2.5 (seconds)")]
+            [("2s", "write 2 (seconds)"), ("-1.5min", "write -90 (seconds)"), ("2,5", "write a point: 2.5")]
         {
             let error = parsed(&format!("fmu simulate p --stop-time {text}")).err().unwrap().to_string();
             assert!(error.contains(remedy), "{error}");
         }
         assert!(parsed("fmu view p --stop-time soon").err().unwrap().to_string().contains("a number of seconds"));
-        for (text, remedy) in
-            [("1%", "write 0.01 (a fraction"), ("1e-4 %", "write 0.000001"), ("0,01", "write 0.01"), ("x", "1e-6")]
-        {
+        for (text, remedy) in [
+            ("1%", "write 0.01 (a fraction"),
+            ("1e-4 %", "write 0.000001"),
+            ("0,01", "write a point: 0.01"),
+            ("x", "1e-6"),
+        ] {
             let line = ["fmu", "simulate", "p", "--relative-tolerance", text].map(OsString::from);
             let error = Cli::try_parse_from(line).err().unwrap().to_string();
             assert!(error.contains(remedy), "{error}");

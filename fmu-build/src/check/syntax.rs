@@ -8,6 +8,7 @@ use jsonc_parser::errors::{ParseError, ParseErrorKind};
 use jsonc_parser::{CollectOptions, ParseOptions, parse_to_ast};
 use linkage_fmu::inspection::Finding;
 use linkage_fmu::numerics::decimal::Decimal;
+use linkage_fmu::variables::Unit;
 use std::f64::consts::PI;
 use std::ops::Range;
 
@@ -99,7 +100,9 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
     let (start, end) = (error.range().start, error.range().end);
     let rest = &text[start..];
     if let Some(comma) = decimal_comma(text, start) {
-        let message = "a decimal comma: write a point, such as 0.5";
+        let number = number_at(text, comma);
+        let fault = fmu_cli::words::comma(&text[number.clone()]).map(|fault| format!("{} {fault}", &text[number]));
+        let message = fault.unwrap_or_else(|| "a decimal comma: write a point, such as 0.5".to_owned());
         return Some(Fault::new(message, comma..comma + 1).written("."));
     }
     if let Some(open) = open_text(text) {
@@ -148,7 +151,11 @@ fn fault(text: &str, error: &ParseError) -> Option<Fault> {
         _ if first == Some('=') => {
             Fault::new("JSON has a colon between key and value: write : instead of =", one).written(":")
         }
-        _ => return word(text, start).or_else(|| missing(text, error.kind(), start)),
+        _ => {
+            return after_number(text, start)
+                .or_else(|| word(text, start))
+                .or_else(|| missing(text, error.kind(), start));
+        }
     })
 }
 
@@ -197,12 +204,30 @@ fn ends_word(c: char) -> bool {
     c.is_whitespace() || ",:{}[]\"'=".contains(c)
 }
 
+/// Quotes of a text processor.
+const CURLY: [char; 5] = ['\u{201c}', '\u{201d}', '\u{201e}', '\u{ab}', '\u{bb}'];
+
+/// A text in quotes of a text processor. `length`: length of its first word.
+fn curly(text: &str, start: usize, length: usize) -> Option<Fault> {
+    let line = text[start..].lines().next()?;
+    let rest = line.strip_prefix(CURLY).unwrap_or_default();
+    let close = rest.char_indices().find(|(_, c)| CURLY.contains(c));
+    let length = close.map_or(length, |(at, c)| line.len() - rest.len() + at + c.len_utf8());
+    let inner = line[..length].trim_matches(CURLY);
+    let fault =
+        Fault::new(format!("JSON has texts in straight double quotes: write \"{inner}\""), start..start + length);
+    Some(if inner.contains(['"', '\\']) { fault } else { fault.written(&format!("\"{inner}\"")) })
+}
+
 /// A word without quotes at this place that is no value of JSON.
 fn word(text: &str, at: usize) -> Option<Fault> {
     let start = text[..at].char_indices().rev().take_while(|(_, c)| !ends_word(*c)).last().map_or(at, |(k, _)| k);
     let length = text[start..].find(ends_word).unwrap_or(text.len() - start);
     let place = start..start + length;
     let word = &text[place.clone()];
+    if word.contains(CURLY) {
+        return curly(text, start, length);
+    }
     if word.is_empty() || serde_json::from_str::<serde_json::Value>(word).is_ok() {
         return None;
     }
@@ -237,14 +262,65 @@ fn word(text: &str, at: usize) -> Option<Fault> {
     }
     let digits = word.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(length);
     let message = match word[..digits].parse::<f64>() {
-        Ok(value) => format!(
-            "`{word}` is not a number: write {} without a unit; lengths are in m and angles in rad, unless the key \
-             \"units\" states other units",
-            Decimal::rounded(value)
-        ),
+        Ok(value) => with_unit(word, value, &word[digits..]),
         Err(_) => format!("`{word}` is not a JSON value: write texts in double quotes, and numbers with digits"),
     };
     Some(Fault::new(message, place).written("1"))
+}
+
+/// Message about a number with a unit. The quantity of the key is not known here.
+fn with_unit(word: &str, value: f64, unit: &str) -> String {
+    let Some((own, si)) = Unit::of_quantity(value, unit) else {
+        return format!(
+            "`{word}` is not a number: write a number without a unit; lengths are in m and angles in rad, unless the \
+             key \"units\" states other units"
+        );
+    };
+    let other = match own {
+        Unit::Metre => format!(", or {} if the key \"units\" states mm", Decimal::rounded(1e3 * si)),
+        Unit::Radian => format!(", or {} if the key \"units\" states deg", Decimal::rounded(si.to_degrees())),
+        _ => String::new(),
+    };
+    format!("`{word}` is not a number: write {} (in {}), without a unit{other}", Decimal::rounded(si), own.name())
+}
+
+/// A word or a number at this place after a number and blanks: a unit, or the next group of digits.
+fn after_number(text: &str, at: usize) -> Option<Fault> {
+    let at = text.len() - text[at..].trim_start_matches(' ').len();
+    let before = text[..at].trim_end_matches(' ');
+    let from = before.len() - before.bytes().rev().take_while(|byte| is_of_number(*byte)).count();
+    let value: f64 = before[from..].parse().ok()?;
+    let mut end = at + text[at..].find(ends_word).unwrap_or(text.len() - at);
+    if before.len() == at || end == at || text[end..].trim_start().starts_with(':') {
+        return None;
+    }
+    let group = |word: &str| word.len() == 3 && word.bytes().all(|byte| byte.is_ascii_digit());
+    if text[at..].starts_with(|c: char| c.is_ascii_digit()) {
+        // In a list, a comma between two numbers is missing.
+        let is_in_list = open_brackets(&text[..at]).last().is_some_and(|(_, bracket)| *bracket == '[');
+        if is_in_list || !group(&text[at..end]) {
+            return None;
+        }
+        while text[end..].starts_with(' ') && text.get(end + 1..end + 4).is_some_and(group) {
+            end += 4;
+        }
+        let number = text[from..end].replace(' ', "");
+        let message = format!("`{}` is not a number: write {number}, without blanks", &text[from..end]);
+        return Some(Fault::new(message, from..end).written(&number));
+    }
+    let is_unit = text[at..].starts_with(|c: char| c.is_alphabetic() || "%\u{b0}".contains(c));
+    is_unit.then(|| Fault::new(with_unit(&text[from..end], value, &text[at..end]), from..end).written("1"))
+}
+
+fn is_of_number(byte: u8) -> bool {
+    byte.is_ascii_digit() || b"+-.,eE".contains(&byte)
+}
+
+/// Range of the number that contains this place, with its commas.
+fn number_at(text: &str, at: usize) -> Range<usize> {
+    let count = |bytes: &mut dyn Iterator<Item = u8>| bytes.take_while(|byte| is_of_number(*byte)).count();
+    let [start, end] = [at - count(&mut text[..at].bytes().rev()), at + count(&mut text[at..].bytes())];
+    start..start + text[start..end].trim_end_matches(',').len()
 }
 
 /// The value of a product or quotient of numbers and pi, such as `-3*pi/4`, or of one number.

@@ -82,7 +82,11 @@ impl FileUnits {
         // A user who states degrees does not mean radians.
         let asks =
             message.rfind("; if you mean ").filter(|at| has_degrees && message[*at..].contains(" degrees, write"));
-        let mut words = message[..asks.unwrap_or(message.len())].split(' ').peekable();
+        let kept = asks.map(|at| {
+            let end = message[at + 1..].find("; ").map_or(message.len(), |length| at + 1 + length);
+            [&message[..at], &message[end..]].concat()
+        });
+        let mut words = kept.as_deref().unwrap_or(message).split(' ').peekable();
         while let Some(word) = words.next() {
             let unit = words.peek().and_then(|next| self.of_word(next).map(|unit| (unit, *next)));
             let digits = word.trim_start_matches('(');
@@ -166,6 +170,10 @@ mod tests {
             ("1e4 N/m and m alone", "1e4 N/m and m alone"),
             ("at 2 rad (114.591559 deg), 1 m on", "at 114.591559 deg, 1000 mm on"),
             ("at 15.70796327 rad; if you mean 15 degrees, write 0.2 rad", "at 900 deg"),
+            (
+                "at 2 rad; if you mean 2 degrees, write 0 rad; 0.5 rad is the same",
+                "at 114.591559 deg; 28.6478898 deg is the same",
+            ),
         ] {
             assert_eq!(text.message(message), expected);
             assert_eq!(none.message(message), message);

@@ -162,7 +162,8 @@ fn description(scene: &Scene) -> String {
     let bodies = listed(scene.bodies.iter().filter(|body| frame(body) != 0).map(|body| &*body.name).collect());
     let name = |frame: usize| scene.frames.get(frame).map_or("", String::as_str);
     let joints = scene.joints.iter().map(|joint| {
-        let kind = if joint.axis.is_some() { "prismatic" } else { "revolute" };
+        let is_slot = scene.outlines.iter().any(|outline| outline.name == joint.name);
+        let kind = if is_slot { "slot" } else { ["revolute", "prismatic"][usize::from(joint.axis.is_some())] };
         format!("{} ({kind}) between {} and {}", joint.name, name(joint.first.frame), name(joint.second.frame))
     });
     let mut text = format!("Bodies: {bodies}. Joints: {}.", joints.collect::<Vec<_>>().join("; "));

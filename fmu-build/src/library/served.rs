@@ -16,7 +16,7 @@ pub struct SharedLibrary {
 /// The library of mechanisms without both, `src/exports`. It contains no code of other models.
 pub const MECHANISMS: SharedLibrary =
     SharedLibrary { package: "linkage-fmu-exports", name: "linkage_fmu_exports", installed: "linkage_fmu" };
-/// The library of all models with hydraulics or with an integral part of a controller, `src/exports/hydraulics`.
+/// The library of all models with hydraulics or with states of controllers, `src/exports/hydraulics`.
 pub const HYDRAULICS: SharedLibrary = SharedLibrary {
     package: "linkage-fmu-exports-hydraulics",
     name: "linkage_fmu_exports_hydraulics",

@@ -22,17 +22,16 @@ const TARGETS: [&str; 5] = [
 /// Package of Cargo with its product, the file of its notices, and the number of items of [`EMBEDDED`] in it.
 const LINKED: [(&str, &str, &str, usize); 2] = [
     ("linkage-fmu-exports", "the library and the animation of an FMU", "fmu-build/src/licenses/library.txt", 1),
-    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 3),
+    ("linkage-fmu-wheel", "the program of the Python wheel", "fmu-build/wheel/THIRD-PARTY.txt", 4),
 ];
 /// If a package offers several licences, the first of these applies.
 const CHOICE: [&str; 4] = ["MIT", "Apache-2.0", "Zlib", "BSD"];
-/// Licences of parts in other folders of the sources: the font of the plots.
-const PARTS: [(&str, &str); 1] = [("epaint_default_fonts", "fonts/UFL.txt")];
 /// Files of other authors in pages and programs, each with its licence.
-const EMBEDDED: [(&str, &str); 3] = [
+const EMBEDDED: [(&str, &str); 4] = [
     ("uPlot, in the pages with plots (MIT)", "fmu-build/src/view/page/uplot/LICENSE"),
     ("samples by Sobol's sequence (BSD-3-Clause)", "fmu-build/studies/src/sweep/joe_kuo/LICENSE"),
     ("CodeMirror, in the live page (MIT)", "fmu-build/studies/src/live/page/editor/LICENSE"),
+    ("Ubuntu Light, in films (Ubuntu-font-1.0)", "fmu-build/studies/src/simulate/film/font/LICENSE"),
 ];
 const RUST: &str = include_str!("rust.txt");
 const MIT: &str = include_str!("../../../LICENSE-MIT");
@@ -99,11 +98,10 @@ impl Package {
             files = licences;
         }
         files.extend(names.iter().filter(|name| begins(name, &["notice", "copyright"])));
-        let parts = PARTS.iter().filter(|(name, _)| self.title.starts_with(name)).map(|(_, file)| (*file).to_owned());
-        let mut texts: Vec<String> = files.into_iter().cloned().chain(parts).map(|name| self.read(&name)).collect();
+        let mut texts: Vec<String> = files.into_iter().map(|name| self.read(name)).collect();
         if !texts.iter().any(|text| text.len() > 500) || self.license.contains(" AND ") {
             // The package contains no licence text.
-            assert!(self.license.contains("MIT"), "{}: no text of {}; add it to PARTS", self.title, self.license);
+            assert!(self.license.contains("MIT"), "{}: no text of {}; add it to EMBEDDED", self.title, self.license);
             let rest = MIT.split_once("\n\n").and_then(|(_, rest)| rest.split_once("\n\n")).unwrap().1;
             texts.insert(0, format!("Copyright (c) {}\n\n{rest}", self.authors));
         }

@@ -74,6 +74,11 @@ impl Toolchain {
         self.extension == "so"
     }
 
+    /// Whether Rust puts all functions of a crate into one section, so that the linker omits all or none of them.
+    pub fn is_in_one_section(&self) -> bool {
+        self.triple.ends_with("-windows-gnu")
+    }
+
     /// Whether the library from Cargo's normal build is suitable for this machine with this name. On macOS the library
     /// would contain paths of this machine, and a signature that prevents removing them.
     pub fn is_built_plainly(&self, tuple: &str) -> bool {

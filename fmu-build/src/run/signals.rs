@@ -5,8 +5,9 @@
 
 use super::Span;
 use crate::csv_file;
-use crate::start_values::{decimal_comma, find, truth};
+use crate::start_values::{find, truth};
 use anyhow::{Context, Result, bail};
+use fmu_cli::words::comma;
 use linkage_fmu::component::{Component, Refused};
 use linkage_fmu::variables::{Causality, Interface, Kind, Reference};
 use std::path::Path;
@@ -334,8 +335,8 @@ fn value(text: &str, kind: Kind) -> Result<f64> {
         Ok(value) if value.is_finite() => Ok(value),
         Ok(value) => bail!("{value} must be finite"),
         Err(_) if kind == Kind::Boolean => Ok(f64::from(u8::from(truth(text)?))),
-        Err(_) => match decimal_comma(text) {
-            Some(point) => bail!("\"{text}\" has a decimal comma; write a point: {point}"),
+        Err(_) => match comma(text) {
+            Some(fault) => bail!("\"{text}\" {fault}"),
             None => bail!("\"{}\" is not a number", text.escape_debug()),
         },
     }

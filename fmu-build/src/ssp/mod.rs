@@ -10,7 +10,7 @@ mod layout;
 use crate::archive::{self, Entry};
 use crate::check::place_of;
 use crate::files;
-use crate::source::Source;
+use crate::source::{Source, check_content};
 use crate::workspace::Workspace;
 use crate::xml::common::is_c_identifier;
 use crate::xml::ssd;
@@ -68,6 +68,7 @@ impl System {
         let text = String::from_utf8(bytes)
             .ok()
             .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
+        check_content("system", &text).with_context(|| format!("{shown}"))?;
         let mut definition = Definition::default();
         let mut faults = format::read_with("system", &text, &Numbers::default(), &mut definition);
         if faults.is_empty() {

@@ -176,7 +176,7 @@ impl ParameterSet {
                 in_words(exponents(own))
             ),
             // Programs omit the definitions of common units.
-            _ => start_values::number(variable, &format!("{value:?} {unit}"))
+            _ => start_values::number(&variable.name, variable.unit, &format!("{value:?} {unit}"))
                 .context("the element Units of the parameter set does not define the unit")?,
         };
         if !in_si.is_finite() {

@@ -6,6 +6,7 @@
 
 use crate::plot::{self, Series};
 use anyhow::{Context, Result, bail};
+use fmu_build::check;
 use fmu_build::files;
 use fmu_build::fmu::Definition;
 use fmu_build::run::csv::decimal;
@@ -13,7 +14,7 @@ use fmu_build::start_values::{self, find};
 use fmu_build::workspace::Workspace;
 pub use fmu_cli::Linearise as Arguments;
 use linkage_fmu::component::{Component, Linearisation, Linearised};
-use linkage_fmu::variables::{Interface, Reference, Unit};
+use linkage_fmu::variables::{Interface, Reference, Unit, nearest};
 use std::path::Path;
 
 /// A linearisation with the names of its variables.
@@ -30,8 +31,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     arguments.plot.as_deref().map_or(Ok(()), plot::check)?;
     arguments.output_file.as_deref().map_or(Ok(()), check_csv)?;
     let definition = Definition::read(workspace, &arguments.path)?;
-    let mut model = Component::from_definition(definition.kind, &definition.text)
-        .with_context(|| format!("{}; `cargo fmu check` prints the details", definition.shown))?;
+    let mut model = check::model(workspace, &definition)?;
     start_values::apply(&mut model, &arguments.start_values)?;
     let interface = model.interface().clone();
     let named = Named { what: what(&model, arguments)?, interface: &interface };
@@ -85,7 +85,16 @@ pub fn what(model: &Component, arguments: &Arguments) -> Result<Linearisation> {
         names.iter().map(|name| find(interface, name).context(option)).collect()
     };
     let coordinate = match &arguments.coordinate {
-        Some(name) => find(interface, name).context("--coordinate")?,
+        Some(name) => interface.find(name).with_context(|| {
+            let is_coordinate = |name: &&str| name.ends_with(".angle") || name.ends_with(".position");
+            let all = interface.list().iter().map(|variable| variable.name.as_str()).filter(is_coordinate);
+            format!(
+                "--coordinate: there is no variable \"{}\": the most similar names are {}; a coordinate is an angle \
+                 or a position",
+                name.escape_debug(),
+                nearest(all, name).join(", ")
+            )
+        })?,
         None => match model.natural_coordinate() {
             Some(coordinate) => coordinate,
             None => bail!("{} is not a mechanism and has no travel: only mechanisms can be linearised", model.name()),

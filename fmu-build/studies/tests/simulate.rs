@@ -236,6 +236,21 @@ fn a_signal_with_its_slopes_acts_as_it_is_drawn() {
     }
 }
 
+/// The folder of a table is created, as that of a page. An input with two values is reported.
+#[test]
+fn folders_are_created_and_double_inputs_reported() {
+    let folder = Folder::new("both");
+    let [definition, signal, table] = ["cart.json", "push.csv", "new/run.csv"].map(|name| folder.0.join(name));
+    fs::write(&definition, CART).unwrap();
+    fs::write(&signal, "time,push.force\n0,0\n1,10\n").unwrap();
+    let mut command = process::Command::new(env!("CARGO_BIN_EXE_fmu-studies"));
+    command.arg("simulate").arg(&definition).arg("--input-file").arg(&signal).arg("--output-file").arg(&table);
+    let output = command.args(["--start-values", "push.force", "3"]).output().unwrap();
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(errors.contains("--input-file replaces the value of push.force in --start-values"), "{errors}");
+    assert!(output.status.success() && table.is_file(), "{errors}");
+}
+
 #[test]
 fn a_run_without_a_length_has_the_values_at_the_start() {
     let folder = Folder::new("start");

@@ -2,6 +2,7 @@
 
 use crate::support::{checked, fact, number, slider_crank, with};
 use fmu_build::check;
+use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
 
 #[test]
@@ -83,12 +84,35 @@ fn the_start_holds_in_balance_and_at_a_stop() {
         let off = found.unwrap().value - expected;
         assert!((off / std::f64::consts::TAU - (off / std::f64::consts::TAU).round()).abs() < 1e-9, "{name}: {off}");
     }
+    // A spring at its free angle, but for rounding.
+    let mut sprung = slider_crank();
+    sprung.as_object_mut().unwrap().remove("gravity");
+    let free = -(0.1 * 0.5_f64.sin() / 0.3).asin() - 0.5 + 1e-15;
+    sprung["springs"] = json!({ "coil": { "joint": "pin", "stiffness": 3, "free_angle": free } });
+    let all = checked(&sprung.to_string());
+    assert!(fact(&all, "Equilibrium at the start", "crank").text.contains("balance"));
+    assert_eq!(number(&all, "Equilibrium at the start", "motor", "holding"), 0.0);
     let mut stopped: Value = serde_json::from_str(&balanced).unwrap();
     stopped["actuators"]["motor"]["torque"] = json!(-1.0);
     stopped["stops"] = json!({ "down": { "body": "crank", "limit": "lower", "angle": 0.5 } });
     let all = checked(&stopped.to_string());
     assert!(fact(&all, "Equilibrium at the start", "crank").text.contains("held at stop down"));
     assert!(fact(&all, "Ends of travel", "backward").text.starts_with("down at crank = 0.5"));
+}
+
+/// Forward is the direction in which the drive extends. At the start of the main gear, past the dead centre of its lock
+/// links, this is towards the stop at which the gear is extended.
+#[test]
+fn the_stops_of_both_directions_are_named() {
+    let path = Workspace::locate().descriptions().join("MainGear/resources/mechanism.json");
+    let all = checked(&std::fs::read_to_string(path).unwrap());
+    let expected =
+        "forward (the length grows) is towards stop down, which holds the mechanism; backward is towards stop up";
+    assert_eq!(fact(&all, "Equilibrium at the start", "jack").text, expected);
+    // The unlocking actuator extends while the lock links open.
+    let expected =
+        "forward (the length grows) is towards stop up; backward is towards stop down, which holds the mechanism";
+    assert_eq!(fact(&all, "Equilibrium at the start", "unlock").text, expected);
 }
 
 /// A flap whose link and rocker of 0.05 m each are in line before the flap is open.

@@ -78,6 +78,22 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
     }
 }
 
+/// A crank of 40 mm and 0.4 kg in a file without the key `length` in `units`.
+#[test]
+fn a_thin_body_may_be_stated_in_millimetres() {
+    let pendulum = |length: f64| {
+        json!({
+            "name": "Pendulum",
+            "bodies": { "ground": {}, "rod": { "length": length, "mass": 0.4, "shape": "uniform_rod" } },
+            "joints": { "pin": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
+            "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 }
+        })
+    };
+    let warned = found(&pendulum(40.0).to_string(), Severity::Warning);
+    assert!(warned.len() == 1 && warned[0].1.contains("is 40 m long and has 0.4 kg; if you mean mill"), "{warned:#?}");
+    assert!(found(&pendulum(4.0).to_string(), Severity::Warning).is_empty());
+}
+
 /// Two hinges of a door are one joint in the plane. They share its reaction, which is no fault.
 #[test]
 fn a_joint_that_is_given_twice_is_no_fault() {

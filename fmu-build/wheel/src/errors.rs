@@ -17,9 +17,19 @@ pyo3::import_exception!(linkage_fmu._errors, InternalError);
 /// Options of the command line whose arguments have other names in Python.
 const NAMES: [(&str, &str); 2] = [("--output-variables", "output"), ("--input-file", "input")];
 
+/// First words of remedies by options that have no argument in Python. The remedies end with the clause.
+const OPTIONS_ONLY: [&str; 2] = [", or give a library with --binary", "; or add --available"];
+
 /// A text with the names of arguments instead of options.
 pub fn in_python(text: &str) -> String {
-    let text = NAMES.iter().fold(text.to_owned(), |text, (option, name)| text.replace(option, name));
+    let mut text = NAMES.iter().fold(text.to_owned(), |text, (option, name)| text.replace(option, name));
+    for remedy in OPTIONS_ONLY {
+        while let Some(start) = text.find(remedy) {
+            let rest = &text[start + remedy.len()..];
+            let end = rest.find([';', '\n']).unwrap_or(rest.len());
+            text.replace_range(start..start + remedy.len() + end, "");
+        }
+    }
     let mut parts = text.split("--");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {

@@ -2,7 +2,7 @@
 //!
 //! In: the text of a definition, names, times, signals. Out: rows as bytes in the layout for numpy, texts.
 
-use crate::arguments::{self, names, number, optional, whole};
+use crate::arguments::{self, names, number, optional, truth, whole};
 use crate::errors::{InputError, guarded, input, refused};
 use crate::rows::{MOST_BYTES, Made, Plan, fits, made, packed};
 use crate::simulation::Simulation;
@@ -130,8 +130,9 @@ impl Model {
         tolerance: Option<&Bound<'py, PyAny>>,
         start_values: Option<&Bound<'py, PyAny>>,
         signals: Option<Columns>,
-        with_slopes: bool,
+        with_slopes: &Bound<'py, PyAny>,
     ) -> Made<Bound<'py, PyByteArray>> {
+        let with_slopes = truth("set_input_derivatives", with_slopes)?;
         let (start, stop) = (number("start_time", start)?, optional("stop_time", stop)?);
         let (interval, tolerance) =
             (optional("output_interval", interval)?, optional("relative_tolerance", tolerance)?);

@@ -169,6 +169,11 @@ impl Simulation {
         })
     }
 
+    fn __contains__(&self, name: &Bound<'_, PyAny>) -> PyResult<bool> {
+        let name = text("name", name)?;
+        self.with(|run| Ok(find(run.model.interface(), &name).is_ok()))
+    }
+
     /// Advance the simulation by the time `h` [s] > 0, with the present inputs. During the call of `step`, no other
     /// Python thread runs, because `step` holds the interpreter lock.
     ///

@@ -2,7 +2,7 @@
 //!
 //! In: paths, texts, a function to report progress. Out: the result of a task, as JSON or paths, and its printed text.
 
-use crate::arguments::{names, text, whole};
+use crate::arguments::{names, text, truth, whole};
 use crate::errors::{guarded, in_python, input, refused};
 use anyhow::{Context, Result};
 use fmu_build::fmu::Definition;
@@ -112,10 +112,11 @@ pub fn package(
     out: PathBuf,
     fmi: &Bound<'_, PyAny>,
     platforms: &Bound<'_, PyAny>,
-    animation: bool,
-    results: bool,
+    animation: &Bound<'_, PyAny>,
+    results: &Bound<'_, PyAny>,
 ) -> PyResult<(Vec<PathBuf>, String)> {
     let (fmi, platforms) = (text("fmi", fmi)?, names("platforms", platforms)?);
+    let (animation, results) = (truth("animation", animation)?, truth("results", results)?);
     py.detach(|| {
         guarded(|| {
             let fmi = match &*fmi {

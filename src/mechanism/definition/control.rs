@@ -1,18 +1,26 @@
 //! Control of a drive: gains, start values of the commands, limits of the force.
 use super::Mechanism;
-use super::loads::Actuator;
 use super::refusal::refused;
 use crate::format::{Faults, Range, Role, either, keys, number};
 use crate::variables::Unit::{
-    Metre, MetrePerSecond, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerRadianSecond,
-    NewtonMetreSecondPerRadian, NewtonPerMetre, NewtonPerMetreSecond, NewtonSecondPerMetre, Radian, RadianPerSecond,
-    Second,
+    Metre, MetrePerSecond, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerRadianSecond, NewtonMetrePerSecond,
+    NewtonMetreSecondPerRadian, NewtonPerMetre, NewtonPerMetreSecond, NewtonPerSecond, NewtonSecondPerMetre, Radian,
+    RadianPerSecond, Second,
 };
 
-/// Most drives whose controller has an integral part.
-pub const MOST_INTEGRALS: usize = 5;
-/// Most states of a mechanism without hydraulics: sigma, sigma_dot and integral parts.
-pub const MOST_STATES: usize = 2 + MOST_INTEGRALS;
+/// Most states of the controllers of a mechanism.
+pub const MOST_CONTROL_STATES: usize = 5;
+/// Most states of a mechanism without hydraulics: sigma, sigma_dot and the states of controllers.
+pub const MOST_STATES: usize = 2 + MOST_CONTROL_STATES;
+
+/// A state of a controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ControlState {
+    /// The integral part of the force.
+    Integral,
+    /// The force, which follows that of the controller with a delay.
+    Force,
+}
 
 keys! {
     /// The object `control` describes a controller of a drive. The force of the drive is force + position_gain *
@@ -38,6 +46,19 @@ keys! {
         /// Integral part of the force at the start [N or N.m].
         start_integral: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::CircuitStart, "Integral part of the force at the start").absent("0").brief();
+        /// Time constant T with which the force of the drive follows the force of the controller [s], > 0: dF/dt =
+        /// (F_controller - F) / T. For an electric motor, T is the time constant of the current control. Without the
+        /// key `force_time_constant` the force follows without delay.
+        force_time_constant: Option<f64> => number(Second, Range::Positive)
+            .parameter(Role::Law, "Time constant of the force").brief();
+        /// Largest size of the time derivative dF/dt of the force [N/s or N.m/s], > 0. The key `max_force_rate` is
+        /// allowed only together with `force_time_constant`.
+        max_force_rate: Option<f64> => either([NewtonPerSecond, NewtonMetrePerSecond], Range::Positive)
+            .parameter(Role::Law, "Largest rate of the force").brief();
+        /// Force of the drive at the start [N or N.m]. Default: the force of the controller at the start. The key
+        /// `start_force` is allowed only together with `force_time_constant`.
+        start_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
+            .parameter(Role::CircuitStart, "Force of the drive at the start").brief();
         /// Start value of the input `<name>.command` [m or rad]. The key `command` is allowed only together with
         /// `position_gain`.
         command: Option<f64> => either([Metre, Radian], Range::Finite).absent("0");
@@ -53,15 +74,19 @@ keys! {
     }
 }
 
-/// Faults of the control of a drive, if it has one.
-pub(super) fn check_control(key: &str, drive: &Actuator, faults: &mut Faults) {
-    let Some(control) = &drive.control else { return };
+/// Faults of the control of a drive, which has a force-speed curve, a hydraulic circuit or a prescribed motion or not.
+pub(super) fn check_control(
+    key: &str,
+    control: &Control,
+    [points, hydraulics, motion]: [bool; 3],
+    faults: &mut Faults,
+) {
     let key = format!("{key}.control");
     let mut refuse = |key: String, message: String| faults.keep::<()>(refused(key, message));
     for (name, is_given, what) in [
-        ("points", drive.points.is_some(), "a force-speed curve"),
-        ("hydraulics", drive.hydraulics.is_some(), "a hydraulic circuit"),
-        ("motion", drive.motion.is_some(), "a prescribed motion"),
+        ("points", points, "a force-speed curve"),
+        ("hydraulics", hydraulics, "a hydraulic circuit"),
+        ("motion", motion, "a prescribed motion"),
     ] {
         if is_given {
             refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove control or {name}"));
@@ -71,53 +96,76 @@ pub(super) fn check_control(key: &str, drive: &Actuator, faults: &mut Faults) {
     if position_gain.or(speed_gain).is_none() {
         refuse(key.clone(), "a controller needs a gain: add position_gain or speed_gain".into());
     }
-    for (name, gain, is_alone) in [
-        ("command", "position_gain", command.is_some() && position_gain.is_none()),
-        ("command_speed", "speed_gain", command_speed.is_some() && speed_gain.is_none()),
-        ("integral_gain", "position_gain", integral_gain.is_some() && position_gain.is_none()),
-        ("tracking_time", "integral_gain", control.tracking_time.is_some() && integral_gain.is_none()),
-        ("start_integral", "integral_gain", control.start_integral.is_some() && integral_gain.is_none()),
+    let (no_position, no_speed) = (position_gain.is_none(), speed_gain.is_none());
+    let (no_integral, no_delay) = (integral_gain.is_none(), control.force_time_constant.is_none());
+    for (name, value, needed, is_alone) in [
+        ("command", command, "position_gain", no_position),
+        ("command_speed", command_speed, "speed_gain", no_speed),
+        ("integral_gain", integral_gain, "position_gain", no_position),
+        ("tracking_time", control.tracking_time, "integral_gain", no_integral),
+        ("start_integral", control.start_integral, "integral_gain", no_integral),
+        ("max_force_rate", control.max_force_rate, "force_time_constant", no_delay),
+        ("start_force", control.start_force, "force_time_constant", no_delay),
     ] {
-        if is_alone {
+        if value.is_some() && is_alone {
             let what = if name.starts_with("command") { "command" } else { "key" };
-            refuse(format!("{key}.{name}"), format!("this {what} needs a gain: add {gain}, or remove {name}"));
+            let kind = if needed.ends_with("gain") { "gain" } else { "time constant" };
+            refuse(format!("{key}.{name}"), format!("this {what} needs a {kind}: add {needed}, or remove {name}"));
         }
     }
 }
 
+impl Control {
+    /// Its states, each with its key, in the order in which the states of a mechanism are counted.
+    pub fn states(&self) -> impl Iterator<Item = (ControlState, &'static str)> + use<> {
+        let integral = self.integral_gain.map(|_| (ControlState::Integral, "integral_gain"));
+        let force = self.force_time_constant.map(|_| (ControlState::Force, "force_time_constant"));
+        integral.into_iter().chain(force)
+    }
+}
+
 impl Mechanism {
-    /// Drives whose controller has an integral part, with their names.
-    pub fn integrating_drives(&self) -> impl Iterator<Item = (&str, &Control)> {
-        let drives = self.actuators.iter().filter_map(|(name, drive)| Some((name, drive.control.as_ref()?)));
-        drives.filter(|(_, control)| control.integral_gain.is_some())
+    /// The states of all controllers, with the names and the controllers of their drives.
+    pub fn control_states(&self) -> impl Iterator<Item = (&str, &Control, ControlState)> {
+        let controls = self.actuators.iter().filter_map(|(name, drive)| Some((name, drive.control.as_ref()?)));
+        controls.flat_map(|(name, control)| control.states().map(move |(state, _)| (name, control, state)))
     }
 
-    /// Faults of the integral part of the controller of a drive with this name, together with other elements.
-    pub(super) fn check_integral(&self, name: &str, faults: &mut Faults) {
-        let Some(index) = self.integrating_drives().position(|(other, _)| other == name) else { return };
-        let mut refuse = |message: String| {
-            faults.keep::<()>(refused(format!("actuators.{name}.control.integral_gain"), message));
-        };
-        if index >= MOST_INTEGRALS {
-            refuse(format!(
-                "at most {MOST_INTEGRALS} drives of a mechanism can have an integral part: remove integral_gain"
-            ));
-        }
-        if self.has_hydraulics() {
-            refuse("hydraulics exclude an integral part of a controller: remove integral_gain or hydraulics".into());
-        }
-        if let Some((_, other, _)) = self.motion_drive() {
-            refuse(format!(
-                "the drive {other} has a prescribed motion, which excludes an integral part of a controller: remove \
-                 integral_gain or actuators.{other}.motion"
-            ));
-        }
-        if self.start.equilibrium {
-            refuse(format!(
-                "`start` cannot be `equilibrium` with an integral part, which is in balance only at the command: give \
-                 a start position in `start`, and the force that holds the mechanism there in start_integral (`cargo \
-                 fmu check` prints the holding force of {name}), or remove integral_gain"
-            ));
+    /// Whether inputs decide the force of a drive at the start.
+    pub fn has_forces_by_inputs(&self) -> bool {
+        self.control_states().any(|(_, control, state)| state == ControlState::Force && control.start_force.is_none())
+    }
+
+    /// Faults of the states of the controller of a drive with this name, together with other elements.
+    pub(super) fn check_control_states(&self, name: &str, faults: &mut Faults) {
+        let before = self.control_states().take_while(|(other, ..)| *other != name).count();
+        let states = self.actuators.get(name).and_then(|drive| drive.control.as_ref()).map(Control::states);
+        for (index, (state, key)) in (before..).zip(states.into_iter().flatten()) {
+            let mut refuse = |message: String| {
+                faults.keep::<()>(refused(format!("actuators.{name}.control.{key}"), message));
+            };
+            if index >= MOST_CONTROL_STATES {
+                refuse(format!(
+                    "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys integral_gain \
+                     and force_time_constant: remove {key}"
+                ));
+            }
+            if self.has_hydraulics() {
+                refuse(format!("hydraulics exclude {key}: remove {key} or hydraulics"));
+            }
+            if let Some((_, other, _)) = self.motion_drive() {
+                refuse(format!(
+                    "the drive {other} has a prescribed motion, which excludes {key}: remove {key} or \
+                     actuators.{other}.motion"
+                ));
+            }
+            if self.start.equilibrium && state == ControlState::Integral {
+                refuse(format!(
+                    "`start` cannot be `equilibrium` with an integral part, which is in balance only at the command: \
+                     give a start position in `start`, and the force that holds the mechanism there in start_integral \
+                     (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
+                ));
+            }
         }
     }
 }

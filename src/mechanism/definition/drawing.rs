@@ -62,18 +62,6 @@ impl Units {
         self.length == Some(LengthUnit::Mm)
     }
 
-    fn angle(self, value: &mut f64) {
-        if self.has_degrees() {
-            *value = value.to_radians();
-        }
-    }
-
-    fn length(self, value: &mut f64) {
-        if self.has_millimetres() {
-            *value /= 1000.0;
-        }
-    }
-
     /// The file's unit of a parameter with this unit and role, where it is none of SI.
     pub(super) fn of_parameter(self, unit: Unit, role: Role) -> Option<&'static str> {
         match (unit, role) {
@@ -94,13 +82,25 @@ impl Units {
         }
     }
 
+    /// The file's unit of the number at this path of the file, in this unit, where it is none of SI.
+    pub(super) fn of_path(self, path: &str, unit: Unit) -> Option<&'static str> {
+        // A circuit has defaults in SI units, so all its numbers are.
+        let is_of_circuit = path.contains(".hydraulics.") || path.starts_with("hydraulics.");
+        self.of_number(unit).filter(|_| !is_of_circuit)
+    }
+
     /// The number that states a value in this unit [SI] in the file.
     pub(super) fn stated(self, unit: Unit, value: f64) -> f64 {
-        match self.of_number(unit) {
-            Some("deg") => value.to_degrees(),
-            Some(_) => 1000.0 * value,
-            None => value,
-        }
+        in_file(self.of_number(unit), value)
+    }
+}
+
+/// The number that states a value [SI] in this unit of a file, if it is none of SI.
+pub(super) fn in_file(unit: Option<&'static str>, value: f64) -> f64 {
+    match unit {
+        Some("deg") => value.to_degrees(),
+        Some(_) => 1000.0 * value,
+        None => value,
     }
 }
 
@@ -108,6 +108,12 @@ impl Mechanism {
     /// Whether the motion of a drive is an angle.
     pub(crate) fn turns(&self, drive: &Actuator) -> bool {
         self.is_rotary(drive.between()) || drive.screw.is_some()
+    }
+
+    /// Whether a drive acts along a slot, which no cylinder and no screw follows.
+    pub(super) fn is_in_slot(&self, drive: &Actuator) -> bool {
+        let joint = drive.joint.as_ref().and_then(|joint| self.joints.get(joint));
+        joint.is_some_and(|joint| joint.kind == JointKind::Slot)
     }
 
     /// Whether a load there is a torque.
@@ -141,12 +147,10 @@ impl Mechanism {
     /// Every angle and length of the file in SI units.
     fn convert(&mut self, units: Units) {
         let rotary = self.rotary();
-        numbers(self, &mut |number: Number| match number.unit(&rotary) {
-            // A circuit has defaults in SI units, so all its numbers are.
-            _ if number.path.contains(".hydraulics.") || number.path.starts_with("hydraulics.") => {}
-            Unit::Radian => units.angle(number.value),
-            Unit::Metre => units.length(number.value),
-            _ => {}
+        numbers(self, &mut |number: Number| match units.of_path(number.path, number.unit(&rotary)) {
+            Some("deg") => *number.value = number.value.to_radians(),
+            Some(_) => *number.value /= 1000.0,
+            None => {}
         });
     }
 

@@ -47,8 +47,7 @@ keys! {
         fem_step: Option<f64> => number(Second, Range::Substep)
             .parameter(Role::Step, "Largest step of Newmark's method, if solver.method is rigid_fem");
         /// Start value of the Boolean variable `solver.tables`. true: the FMU evaluates the equation of motion from
-        /// tables over the position of the mechanism. false: the FMU solves the loop equations of the linkage in each
-        /// evaluation, which is about a hundred times slower.
+        /// tables. false: the FMU solves the loop equations in each evaluation, about a hundred times slower.
         tables: bool = true => Key::PLAIN.parameter(
             Role::Load,
             "true: the FMU evaluates the equation of motion from tables; false: the FMU solves the loop equations in \

@@ -6,6 +6,7 @@ mod order;
 mod read_once;
 
 use super::Mechanism;
+use super::drawing::in_file;
 use crate::format::{
     Aside, DefinitionError, Expression, Faults, Field, Kind, Node, Numbers, Own, Range, Slot, index_of,
     number_with_unit, quoted, read_with,
@@ -233,6 +234,9 @@ impl Expressions {
     }
 }
 
+/// Unit of a number, and its unit in the file, where it is none of SI.
+type Stated = (Unit, Option<&'static str>);
+
 /// A parameter of a mechanism as read.
 struct Place {
     name: String,
@@ -376,7 +380,11 @@ impl Mechanism {
                     Some(unknown) => Err(unknown_name(unknown, places)),
                     None => Ok(expression),
                 },
-                Err(why) => Err(without_unit(text, Some(place), names).unwrap_or(why)),
+                Err(why) => {
+                    let is_plain = place.key.starts_with("parameters") && place.unit == Unit::One;
+                    let named = is_plain.then(|| with_unit(text, names)).flatten();
+                    Err(named.or_else(|| without_unit(text, (place.unit, place.file_unit), names)).unwrap_or(why))
+                }
             };
             let fault =
                 |why| DefinitionError::key(&place.key, format_args!("\"{text}\": {why}{}", self.origin(&place.key)));
@@ -401,15 +409,32 @@ impl Mechanism {
     }
 }
 
-/// What to write in the place of a number with its unit.
-fn without_unit(text: &str, place: Option<&Place>, names: &HashMap<String, usize>) -> Option<String> {
+/// The number and the unit in a text such as `160 kg`, if the unit is no name of a parameter.
+fn number_and_unit<'t>(text: &'t str, names: &HashMap<String, usize>) -> Option<(f64, &'t str)> {
     let (number, unit) = number_with_unit(text).filter(|(_, unit)| !names.contains_key(*unit))?;
-    let own = place.map(|place| place.file_unit.unwrap_or(place.unit.name()));
-    Some(match own {
-        Some(own) if own == unit => format!("write {number} without a unit: this number is in {own}"),
-        Some(own) if own != "1" => format!("write the number in {own}, without a unit"),
-        _ => format!("write the number without a unit, such as {number}"),
+    Some((number.parse().ok()?, unit))
+}
+
+/// What to write in the place of a number with its unit. `unit`: unit of the number that stands there, and the file's
+/// unit of this number, where it is none of SI.
+fn without_unit(text: &str, (unit, file_unit): Stated, names: &HashMap<String, usize>) -> Option<String> {
+    let (number, stated) = number_and_unit(text, names)?;
+    let own = file_unit.unwrap_or(unit.name());
+    let si = unit.convert(number, stated);
+    let write = if own == stated { Some(number) } else { si.map(|si| in_file(file_unit, si)) };
+    Some(match write.map(Decimal::rounded) {
+        Some(write) if own == "1" => format!("write {write} without a unit: this number has no unit"),
+        Some(write) => format!("write {write} without a unit: this number is in {own}"),
+        None if own == "1" => "this number has no unit: write a number without a unit".to_owned(),
+        None => format!("write the number in {own}, without a unit"),
     })
+}
+
+/// What to write as a named parameter, whose unit is a key, in the place of a number with its unit.
+fn with_unit(text: &str, names: &HashMap<String, usize>) -> Option<String> {
+    let (number, stated) = number_and_unit(text, names)?;
+    let (unit, si) = Unit::of_quantity(number, stated).filter(|(unit, _)| *unit != Unit::One)?;
+    Some(format!("write {{ \"value\": {}, \"unit\": \"{}\" }}", Decimal::rounded(si), unit.name()))
 }
 
 fn unknown_name(name: &str, places: &[Place]) -> String {

@@ -111,7 +111,7 @@ impl Mechanism {
             take(idle, key("efficiency"), &mut drive.efficiency);
             take(idle, key("points"), &mut drive.points);
             take(idle, key("control"), &mut drive.control);
-            drive.command = None;
+            (drive.command, drive.backward_efficiency) = (None, None);
             if std::mem::take(&mut drive.by_body) {
                 idle.push(key("by_body"));
             }
@@ -124,6 +124,8 @@ impl Mechanism {
         for (name, coupling) in self.couplings.iter_mut() {
             take(idle, format!("couplings.{name}.efficiency"), &mut coupling.efficiency);
             take(idle, format!("couplings.{name}.pretension"), &mut coupling.pretension);
+            coupling.backward_efficiency = None;
+            (coupling.static_coefficient, coupling.kinetic_coefficient) = (None, None);
         }
         for (name, joint) in self.joints.iter_mut() {
             take(idle, format!("joints.{name}.frictionloss"), &mut joint.frictionloss);

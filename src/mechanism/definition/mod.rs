@@ -28,7 +28,7 @@ pub use between::{Between, PLACES};
 pub use bodies::{Body, Drawn, Friction, FrictionLaw, Joint, JointKind, Marker, Shape};
 pub use cams::{CamLaw, CamSegment, Follower};
 pub use contact::{Limit, Lock, Stop};
-pub use control::{Control, MOST_INTEGRALS, MOST_STATES};
+pub use control::{Control, ControlState, MOST_CONTROL_STATES, MOST_STATES};
 pub use couplings::{Coupling, CouplingKind, Side};
 pub use drawing::{AngleUnit, LengthUnit, Units};
 pub use experiment::{Method, Solver, Start};
@@ -176,7 +176,8 @@ impl Mechanism {
     pub fn sticks(&self) -> bool {
         let loses = self.couplings.iter().any(|(_, coupling)| coupling.efficiency.is_some());
         let rubs = self.joints.iter().any(|(_, joint)| joint.frictionloss.is_some());
-        loses || rubs || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
+        let locks = self.actuators.iter().any(|(_, drive)| drive.locks_itself());
+        loses || rubs || locks || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
     }
 
     /// Refuse a `snap` that is no small part of the mechanism.

@@ -20,6 +20,9 @@ use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
 pub(super) use network::idle_keys;
 
+/// Why no cylinder and no screw acts in a slot.
+const CURVED: &str = "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+
 impl Mechanism {
     /// All faults of what was read that show without geometry.
     pub(super) fn find_faults(&mut self, faults: &mut Faults) {
@@ -164,8 +167,6 @@ impl Mechanism {
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
                 ("angle", joint.angle, !is_prismatic, no_slide),
                 ("armature", joint.armature, is_slot, no_slot),
-                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
-                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
@@ -193,12 +194,14 @@ impl Mechanism {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
             }
-            let slot = a.joint.as_ref().and_then(|joint| self.joints.get(joint)).filter(|j| j.kind == JointKind::Slot);
+            if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
+                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
+                               inertia, or give an efficiency above 0";
+                faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
+            }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
-                if slot.is_some() && is_given {
-                    let message =
-                        "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
-                    faults.keep::<()>(refused(format_args!("{key}.{k}"), message));
+                if is_given && self.is_in_slot(a) {
+                    faults.keep::<()>(refused(format_args!("{key}.{k}"), CURVED));
                 }
             }
             let turns = is_rotary || a.screw.is_some();
@@ -231,8 +234,11 @@ impl Mechanism {
                 circuit.find_faults(faults);
             }
             faults.keep(check_drive(&key, a));
-            check_control(&key, a, faults);
-            self.check_integral(name, faults);
+            if let Some(control) = &a.control {
+                let others = [a.points.is_some(), a.hydraulics.is_some(), a.motion.is_some()];
+                check_control(&key, control, others, faults);
+            }
+            self.check_control_states(name, faults);
             self.check_motion(name, a, faults);
         }
     }

@@ -24,6 +24,10 @@ const APART: [f64; 2] = [100.0, 300.0];
 const GRAVITY: f64 = 100.0;
 /// Size of a body from which on millimetres are suspected [m].
 const HUGE: f64 = 150.0;
+/// Size of a body from which on millimetres are suspected if it is thin [m].
+const LONG: f64 = 10.0;
+/// Mass for each metre of a body below which it is thin [kg/m].
+const THIN: f64 = 0.05;
 /// Moment of inertia over mass and squared size from which on another unit is suspected.
 const STOUT: f64 = 100.0;
 /// Distance of a centre of mass from the middle of its body's points that is far, in sizes of the body.
@@ -67,8 +71,12 @@ impl Mechanism {
             let message = format!(
                 "\"{text}\" is {number} {si}: expressions are in SI units, but numbers of this file are in {unit}"
             );
-            let remedy =
-                format!("{remedy}define the numbers in \"parameters\", in {si} and each with \"unit\": \"{si}\"");
+            let remedy = match text.trim().parse::<f64>() {
+                Ok(number) => format!("remove the quotes if you mean {} {unit}", Decimal(number)),
+                Err(_) => {
+                    format!("{remedy}define the numbers in \"parameters\", in {si} and each with \"unit\": \"{si}\"")
+                }
+            };
             all.push(Finding::warning(&key, message, remedy));
         }
     }
@@ -270,8 +278,11 @@ impl Mechanism {
                 all.push(Finding::warning(format_args!("bodies.{name}.inertia"), message, remedy));
             }
         }
-        if largest.0 > HUGE {
-            let message = format!("the body is {} m long", Decimal::rounded(largest.0));
+        let mass = self.bodies.get(largest.1).and_then(|body| body.mass).unwrap_or(0.0);
+        let is_thin = largest.0 > LONG && mass > 0.0 && mass < THIN * largest.0;
+        if largest.0 > HUGE || is_thin {
+            let of_mass = if is_thin { format!(" and has {} kg", Decimal::rounded(mass)) } else { String::new() };
+            let message = format!("the body is {} m long{of_mass}", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
                 true => "check the lengths, which are in mm",
                 false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",

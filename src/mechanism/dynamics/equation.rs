@@ -7,6 +7,7 @@
 //! In: a reduced model, its state loads, sizes of loads, a state. Out: acceleration and power lost. It must not know
 //! steps.
 use crate::integrator::System;
+use crate::mechanism::definition::MOST_CONTROL_STATES;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::ports::{NetworkPorts, Ports};
 use crate::mechanism::dynamics::state_loads::{Evaluation, Mode, StateLoadEvaluator};
@@ -45,10 +46,10 @@ impl<T: Differentiable> Scratch<T> {
         self.tangent.pressures[cylinder] = pressures.map(T::held);
     }
 
-    /// State an integral part of the controller of a drive [N or N.m].
-    pub fn set_integral(&mut self, integral: usize, value: T) {
-        self.evaluator.integrals[integral] = value;
-        self.tangent.integrals[integral] = value.held();
+    /// State the states of controllers [N or N.m].
+    pub fn set_controllers(&mut self, states: Option<[T; MOST_CONTROL_STATES]>) {
+        self.evaluator.controllers = states;
+        self.tangent.controllers = states.map(|all| all.map(T::held));
     }
 }
 

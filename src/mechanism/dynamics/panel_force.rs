@@ -129,6 +129,33 @@ impl PanelForce {
         }
     }
 
+    /// [`Self::on_stretch`]. Where this one does not hold sigma, become the same as another one under the same inputs
+    /// that does: what was summed up for outputs is not summed up again for a step, nor the other way round.
+    #[inline]
+    pub fn share(&mut self, other: Option<&Self>, stretch: i32, sigma: f64) {
+        self.on_stretch(stretch);
+        let is_known = |other: &&Self| other.stretch == stretch && other.holds(sigma);
+        if !self.holds(sigma)
+            && let Some(other) = other.filter(is_known)
+        {
+            self.copy_panel(other);
+        }
+    }
+
+    /// Become the same as another one on a panel with a table, under inputs that do not change with time.
+    fn copy_panel(&mut self, other: &Self) {
+        if !(other.exact.is_empty() && other.rates.is_empty()) {
+            return;
+        }
+        let Self { low, high, center, inverse, offset, panel, stretch, revolutions, force, .. } = *other;
+        (self.low, self.high, self.center, self.inverse, self.offset) = (low, high, center, inverse, offset);
+        (self.panel, self.stretch, self.revolutions, self.force) = (panel, stretch, revolutions, force);
+        self.reactions.clone_from(&other.reactions);
+        self.exact.clear();
+        self.rates.clear();
+        self.lacks_slopes = false;
+    }
+
     /// Whether the present panel holds sigma.
     #[inline(always)]
     pub fn holds(&self, sigma: f64) -> bool {

@@ -79,7 +79,8 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, 
     facts.push(fact.saying(text));
     for (load, drive) in reduced.loading().drives.iter().enumerate() {
         // The force that all loads are for this drive.
-        let influence = reduced.loading().loads[load].displacement(linkage, &c)[1].abs();
+        let slope = reduced.loading().loads[load].displacement(linkage, &c)[1];
+        let influence = slope.abs();
         let is_rounding = |value: f64| influence > 0.0 && value.abs() * influence <= BALANCE * all;
         let (word, unit) = if drive.is_rotary { ("torque", Unit::NewtonMetre) } else { ("force", Unit::Newton) };
         let mut fact = Fact::new(TOPIC, &drive.name);
@@ -94,8 +95,24 @@ pub fn add(model: &mut Model, reduced: &Reduced, state: &State, places: Places, 
                 fact = fact.with(label, if label != "given" && is_rounding(value) { 0.0 } else { value }, unit);
             }
         }
+        if sticking.is_some() && slope != 0.0 {
+            fact = fact.saying(directions(reduced, &state.travel, here, slope, drive.is_rotary));
+        }
         facts.push(fact);
     }
+}
+
+/// The stops towards which the mechanism moves forward and backward, for a drive whose displacement has this slope
+/// along sigma: forward, this displacement grows.
+fn directions(reduced: &Reduced, travel: &Travel, here: f64, slope: f64, is_rotary: bool) -> String {
+    let forward = if is_rotary { "forward (anticlockwise)" } else { "forward (the length grows)" };
+    let parts = [(forward, true), ("backward", false)].into_iter().filter_map(|(word, is_forward)| {
+        let end = travel.rigid[usize::from(is_forward == (slope > 0.0))]?;
+        let holds = (end.position - here).abs() <= 1e-9 * (reduced.scale() + here.abs());
+        let holds = if holds { ", which holds the mechanism" } else { "" };
+        Some(format!("{word} is towards stop {}{holds}", reduced.loading().stops[end.stop].name))
+    });
+    parts.collect::<Vec<_>>().join("; ")
 }
 
 /// All equilibria of the travel, stable or not, with the values of one coordinate; none are told of a model with more
@@ -142,7 +159,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
         let displacement = match &loading.loads[load] {
             Load::Separation { .. } => 0.0,
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
-            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Rub { .. } => linkage.size,
             Load::Screw { ratio, .. } => ratio * linkage.size,
             Load::Gravity(acceleration) => {
                 linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size
@@ -159,7 +176,9 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
     let applied = applied.map(|(load, size)| size.abs() * unit(load) * influence(load));
     let springs = loading.springs.iter().map(|spring| {
         let force = spring.force(reduced.displacement_at(spring.load, sigma, 0));
-        force.abs() * influence(spring.load)
+        // The force at the free length or angle is the rounding of a difference.
+        let whole = spring.stiffness * influence(spring.load) * reduced.scale();
+        (force.abs() + whole) * influence(spring.load)
     });
     let controllers = loading.drives.iter().enumerate().map(|(load, drive)| {
         let gain = drive.law.as_ref().and_then(DriveLaw::control).and_then(|control| control.position_gain);

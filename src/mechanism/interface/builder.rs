@@ -184,14 +184,21 @@ impl<'a> Builder<'a> {
         let sought = self.source.mechanism.start.equilibrium && (needs.closure || needs.position);
         let unlocked = self.source.inputs.len() - loading.locks.len();
         let acting = if sought { &self.source.inputs[..unlocked] } else { &[] };
+        // A force that follows that of a controller starts from it.
+        let followed = if needs.circuit { self.source.followed() } else { Vec::new() };
+        let begun = Needs { speed: true, loads: &followed, ..placed() };
         let balance = Needs { loads: &self.source.loads, lossless: true, ..placed() };
-        let mut others: Vec<usize> = needs.inputs.iter().chain(acting).copied().filter(|&i| i >= inputs).collect();
-        if sought {
+        let mut others: Vec<usize> =
+            needs.inputs.iter().chain(acting).chain(&followed).copied().filter(|&i| i >= inputs).collect();
+        if sought || !followed.is_empty() {
             others.sort_unstable();
             others.dedup();
         }
         let meets = |causes: &[Cause]| {
-            needs.meet(causes) || (stretched && rods.meet(causes)) || (sought && balance.meet(causes))
+            needs.meet(causes)
+                || (stretched && rods.meet(causes))
+                || (sought && balance.meet(causes))
+                || (!followed.is_empty() && begun.meet(causes))
         };
         let parameters = (*first..).zip(causes).filter(|(_, causes)| meets(causes)).map(|(reference, _)| reference);
         // The force of a drive with a circuit stands in the place of an input, and is an output.

@@ -3,8 +3,8 @@ use super::builder::Builder;
 use super::hydraulics;
 use super::needs::{Needs, placed};
 use super::source::Source;
-use crate::mechanism::definition::Between;
-use crate::mechanism::loads::resolved::DriveLaw;
+use crate::mechanism::definition::{Between, ControlState};
+use crate::mechanism::loads::resolved::{DriveLaw, FrictionJoint, FrictionKind};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
 use crate::variables::Unit::{
@@ -118,7 +118,6 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
         true => ("acting_torque", "Acting torque of the drive ", NewtonMetre),
         false => ("acting_force", "Acting force of the drive ", Newton),
     };
-    let output = Output::ActingForce { drive };
     if let Some(law) = &s.loading.drives[drive].law {
         let text = match law.control() {
             None => {
@@ -127,33 +126,54 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
             Some(_) => ": input force or torque, plus the force of the controller, within the limits of the drive",
         };
         let inputs: Vec<usize> = [drive].into_iter().chain(law.commands()).collect();
-        let circuit = law.integral.is_some();
+        let circuit = law.states != [None; 2];
         let needs = Needs { speed: true, inputs: &inputs, loads: &[drive, law.load], circuit, ..s.displacement(drive) };
-        b.output(n, suffix, &[what, n, text], unit, output, needs);
-        if circuit {
-            add_integral(b, drive, needs);
-        }
+        let (output, now) = match law.states[ControlState::Force as usize] {
+            None => (Output::ActingForce { drive }, needs),
+            // A state of its own, which no input changes at once.
+            Some(_) => (Output::Controller { drive, state: ControlState::Force, order: 0 }, state()),
+        };
+        b.output(n, suffix, &[what, n, text], unit, output, now);
+        add_controller_states(b, drive, law, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
         let text =
             [what, n, ": value for the prescribed motion, or the input of the drive while no motion is prescribed"];
-        b.output(n, suffix, &text, unit, output, needs);
+        b.output(n, suffix, &text, unit, Output::ActingForce { drive }, needs);
     }
 }
 
-/// Integral part of the force of a drive with a controller, and its rate, which follows from these.
-fn add_integral(b: &mut Builder, drive: usize, needs: Needs) {
+/// What a state of a controller follows from.
+fn state() -> Needs<'static> {
+    Needs { circuit: true, ..Needs::default() }
+}
+
+/// Integral part of the force of a drive with a controller, and its rate, which follows from these; rate of a force
+/// that is a state.
+fn add_controller_states(b: &mut Builder, drive: usize, law: &DriveLaw, needs: Needs) {
     let s = b.source;
     let (n, is_rotary) = (s.loading.drives[drive].name.as_str(), s.loading.drives[drive].is_rotary);
-    let (names, units) = match is_rotary {
-        true => (["integral_torque", "integral_torque_rate"], [NewtonMetre, NewtonMetrePerSecond]),
-        false => (["integral_force", "integral_force_rate"], [Newton, NewtonPerSecond]),
+    let (what, units) = match is_rotary {
+        true => ("torque", [NewtonMetre, NewtonMetrePerSecond]),
+        false => ("force", [Newton, NewtonPerSecond]),
     };
-    let what = if is_rotary { " of the torque of the drive " } else { " of the force of the drive " };
-    let start = Needs { circuit: true, ..Needs::default() };
-    let words = ["Integral part", "Time derivative of the integral part"];
-    for (order, ((suffix, word), needs)) in names.into_iter().zip(words).zip([start, needs]).enumerate() {
-        b.output(n, suffix, &[word, what, n], units[order], Output::Integral { drive, order }, needs);
+    let of = [" ", what, " of the drive ", n].concat();
+    let [integral, force] = [ControlState::Integral, ControlState::Force];
+    if law.states[integral as usize].is_some() {
+        for (order, (end, word, needs)) in
+            [("", "Integral part of the", state()), ("_rate", "Time derivative of the integral part of the", needs)]
+                .into_iter()
+                .enumerate()
+        {
+            let suffix = ["integral_", what, end].concat();
+            let output = Output::Controller { drive, state: integral, order };
+            b.output(n, &suffix, &[word, &of], units[order], output, needs);
+        }
+    }
+    if law.states[force as usize].is_some() {
+        let suffix = ["acting_", what, "_rate"].concat();
+        let output = Output::Controller { drive, state: force, order: 1 };
+        b.output(n, &suffix, &["Time derivative of the acting", &of], units[1], output, needs);
     }
 }
 
@@ -164,6 +184,7 @@ pub(super) fn add(b: &mut Builder) {
     for load in 0..s.loading.drives.len() {
         (first..3).for_each(|order| add_displacement(b, load, order));
         add_one_element(b, load);
+        add_loss(b, load);
         add_acting_force(b, load);
     }
 }
@@ -190,6 +211,18 @@ fn displacement_of(s: &Source, load: usize) -> (&'static str, [Unit; 3]) {
         (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
         (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
     }
+}
+
+/// The loss of a screw that locks itself.
+fn add_loss(b: &mut Builder, drive: usize) {
+    let s = b.source;
+    let is_own = |own: &FrictionJoint| matches!(own.kind, FrictionKind::Screw { drive: driven, .. } if driven == drive);
+    let mut friction_joints = s.loading.friction.iter().flat_map(|friction| &friction.friction_joints);
+    let Some(friction_joint) = friction_joints.position(is_own) else { return };
+    let name = s.loading.drives[drive].name.as_str();
+    let text = ["Force of the losses on the nut of the screw ", name, ", positive where it increases the stroke"];
+    let needs = Needs { masses: true, ..s.acceleration() };
+    b.output(name, "loss_force", &text, Newton, Output::Friction { friction_joint }, needs);
 }
 
 /// The terms of the mechanism reduced to a drive.

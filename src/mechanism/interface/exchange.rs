@@ -1,7 +1,6 @@
 //! Variables of model exchange: the continuous states, their derivatives and the event indicators.
 use super::builder::Builder;
 use super::source::Source;
-use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::quantity::{Curve, Indicator, Quantity};
 use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One};
@@ -53,7 +52,7 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let joints = s.loading.friction.as_ref().map_or(0, |friction| friction.friction_joints.len());
     if joints > 0 || s.loading.drives.iter().any(|drive| drive.efficiency.is_some()) {
         all.push((Indicator::Reversal, MetrePerSecond));
-        if s.mechanism.integrating_drives().next().is_some() {
+        if s.mechanism.control_states().next().is_some() {
             all.push((Indicator::Breakaway, MetrePerSecondSquared));
         }
     }
@@ -66,18 +65,22 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
     all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
     let friction_joints = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
-    let by_reaction = friction_joints.filter(|(_, joint)| !matches!(joint.kind, FrictionKind::Constant(_)));
-    let slides = by_reaction.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
+    let slides = friction_joints.filter(|(_, joint)| joint.has_normal_force(&s.linkage));
+    // The loss and the teeth of a coupling have one sign.
+    let is_first = |index: usize, own: usize| {
+        s.loading.friction.iter().all(|f| f.friction_joints[..index].iter().all(|before| before.joint != own))
+    };
+    let slides = slides.filter(|(index, joint)| is_first(*index, joint.joint));
     all.extend(slides.map(|(joint, _)| (Indicator::NormalForce(joint), Newton)));
     let springs = || s.loading.springs.iter().enumerate();
     let stops = s.loading.stops.iter().enumerate();
     let cams = s.linkage.couplings.iter().enumerate().filter(|(_, coupling)| coupling.law.has_knots());
     let laws = drives.filter_map(|(load, drive)| Some((load, drive.law.as_ref()?)));
     all.extend(laws.clone().flat_map(|(drive, law)| {
-        let limits = law.control().map_or([None; 2], |control| control.limits);
-        let stated = [false, true].into_iter().zip(limits).filter(|(_, limit)| limit.is_some());
+        let limits = law.control().map_or([None; 4], |control| control.limits);
+        let stated = (0..).zip(limits).filter(|(_, limit)| limit.is_some());
         let unit = if s.loading.drives[drive].is_rotary { NewtonMetre } else { Newton };
-        stated.map(move |(upper, _)| (Indicator::Limit { drive, upper }, unit))
+        stated.map(move |(side, _)| (Indicator::Limit { drive, side }, unit))
     }));
     let curves = laws.filter(|(_, law)| law.curve().is_some()).map(|(load, _)| Curve::Drive(load));
     let curves = curves.chain(springs().filter(|(_, s)| s.damper.is_some()).map(|(k, _)| Curve::Damper(k)));
@@ -95,7 +98,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
     let joint_name = |joint: usize| {
         let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
-        friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str())
+        friction.map_or("", |joint| s.loading.friction_name(&s.linkage, joint))
     };
     match indicator {
         Indicator::End(0) => (
@@ -169,10 +172,15 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
                 ],
             )
         }
-        Indicator::Limit { drive, upper } => {
+        Indicator::Limit { drive, side } => {
             let name = s.loading.drives[drive].name.as_str();
-            let limit = if upper { "max_force" } else { "min_force" };
-            let text = ["Event indicator: distance of the demanded force from control.", limit, " of the drive ", name];
+            let (limit, text) = [
+                ("min_force", "demanded force from control.min_force"),
+                ("max_force", "demanded force from control.max_force"),
+                ("falling_force", "force from where it falls at the rate control.max_force_rate"),
+                ("rising_force", "force from where it rises at the rate control.max_force_rate"),
+            ][side];
+            let text = ["Event indicator: distance of the ", text, " of the drive ", name];
             ([name, ".", limit, "_indicator"].concat(), text)
         }
         Indicator::Points(curve) => {

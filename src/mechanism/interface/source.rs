@@ -1,6 +1,6 @@
 //! What the declarations of variables read: the definition, resolved.
 use super::needs::{Needs, placed};
-use crate::mechanism::definition::{DefinitionError, Mechanism};
+use crate::mechanism::definition::{ControlState, DefinitionError, Mechanism};
 use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::mechanism::loads::resolved::{Loading, MOTION, markers};
 use crate::mechanism::loads::unit_load::Load;
@@ -103,9 +103,22 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether hydraulics or integral parts of controllers have states with start values.
+    /// Whether hydraulics or controllers have states with start values.
     pub fn has_states_at_start(&self) -> bool {
-        self.mechanism.has_hydraulics() || self.mechanism.integrating_drives().next().is_some()
+        self.mechanism.has_hydraulics() || self.mechanism.control_states().next().is_some()
+    }
+
+    /// Inputs that decide the forces of drives at the start, ascending: forces and commands of drives whose forces
+    /// follow those of their controllers.
+    pub fn followed(&self) -> Vec<usize> {
+        let follows = |(drive, state): (usize, ControlState)| {
+            let law = self.loading.drives[drive].law.as_ref()?;
+            (state == ControlState::Force).then(|| [drive].into_iter().chain(law.commands()))
+        };
+        let all = self.loading.control_states().filter(|_| self.mechanism.has_forces_by_inputs());
+        let mut inputs: Vec<usize> = all.filter_map(follows).flatten().collect();
+        inputs.sort_unstable();
+        inputs
     }
 
     /// Whether joints have friction when `friction.enabled` is true.

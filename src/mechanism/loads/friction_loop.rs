@@ -74,8 +74,10 @@ pub struct FrictionLoop<T> {
     direction: Vec<[f64; 3]>,
     /// Number of iterations of the last solution.
     pub iterations: u32,
-    /// What friction adds to the unknowns within a step.
-    pub prediction: Prediction,
+    /// What friction adds to the three unknowns of one group within a step.
+    prediction: Prediction,
+    /// What friction adds to the magnitudes of many joints within a step.
+    of_sizes: Prediction<Vec<f64>>,
 }
 
 /// Friction and reactions of some joints have no common solution.
@@ -118,7 +120,20 @@ impl<T: Number> FrictionLoop<T> {
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),
+            of_sizes: Prediction::<Vec<f64>>::new(n),
         }
+    }
+
+    /// A step begins.
+    pub fn begin_step(&mut self) {
+        self.prediction.begin();
+        self.of_sizes.begin();
+    }
+
+    /// No step is being made.
+    pub fn end_step(&mut self) {
+        self.prediction.end();
+        self.of_sizes.end();
     }
 
     /// Friction M_j of the last solution.
@@ -158,7 +173,7 @@ impl<T: Number> FrictionLoop<T> {
             4 if one_group => self.solve_one::<4>(t, balance),
             _ => false,
         };
-        if solved { Ok(()) } else { self.solve_any(balance) }
+        if solved { Ok(()) } else { self.solve_any(t, balance) }
     }
 }
 

@@ -15,7 +15,7 @@ use super::laws::profile::{Profile, Shape};
 use super::laws::spring::{Characteristic, Spring};
 use super::laws::stop::Stop;
 use super::unit_load::Load;
-use crate::mechanism::definition::{self, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
+use crate::mechanism::definition::{self, ControlState, DefinitionError, Mechanism, PrescribedMotion, ProfileKind};
 use crate::mechanism::linkage::{GROUND, Linkage, Point};
 use crate::numerics::monotone::monotone;
 use crate::numerics::plane::Vec2;
@@ -134,7 +134,7 @@ impl Loading {
         let hinges = &Hinges::new(linkage);
         let mut sized: Vec<(String, Load)> = Vec::new();
         let mut constant: Vec<(f64, Load)> = Vec::new();
-        let (mut drives, mut integrals) = (Vec::new(), 0);
+        let (mut drives, mut states) = (Vec::new(), 0..);
         for (name, a) in mechanism.actuators.iter() {
             let load = between(mechanism, linkage, hinges, format_args!("actuators.{name}"), a.between())?;
             let load = match a.screw {
@@ -147,9 +147,8 @@ impl Loading {
         }
         for (drive, (name, a)) in mechanism.actuators.iter().enumerate() {
             let Some(mut law) = DriveLaw::new(name, a, sized.len())? else { continue };
-            if law.control().is_some_and(|control| control.integral.is_some()) {
-                law.integral = Some(integrals);
-                integrals += 1;
+            for (state, _) in a.control.iter().flat_map(definition::Control::states) {
+                law.states[state as usize] = states.next();
             }
             sized.extend(law.inputs(name).map(|input| (input, sized[drive].1.clone())).collect::<Vec<_>>());
             drives[drive].law = Some(law);
@@ -303,15 +302,26 @@ impl Loading {
         self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
     }
 
-    /// Drives whose controller has an integral part, by their indices, in the order of these parts.
-    pub fn integrating(&self) -> impl Iterator<Item = usize> + '_ {
-        let has_one = |drive: &Drive| drive.law.as_ref().is_some_and(|law| law.integral.is_some());
-        self.drives.iter().enumerate().filter(move |(_, drive)| has_one(drive)).map(|(index, _)| index)
+    /// The states of all controllers, each with the index of its drive, in the order of their indices.
+    pub fn control_states(&self) -> impl Iterator<Item = (usize, ControlState)> + '_ {
+        let laws = self.drives.iter().enumerate().filter_map(|(index, drive)| Some((index, drive.law.as_ref()?)));
+        laws.flat_map(|(drive, law)| {
+            let all = [ControlState::Integral, ControlState::Force].into_iter();
+            all.filter(|state| law.states[*state as usize].is_some()).map(move |state| (drive, state))
+        })
     }
 
     /// Number of applied loads: those sized by inputs, then those of constant size.
     pub fn sized(&self) -> usize {
         self.inputs.len() + self.constants.len()
+    }
+
+    /// Name of the joint, coupling or drive with this friction.
+    pub fn friction_name<'a>(&'a self, linkage: &'a Linkage, friction: &FrictionJoint) -> &'a str {
+        match friction.kind {
+            FrictionKind::Screw { drive, .. } => &self.drives[drive].name,
+            _ => &linkage.joints[friction.joint].name,
+        }
     }
 
     /// Name of a load for messages.

@@ -2,7 +2,7 @@
 //!
 //! The states are x = sigma, counted on over whole revolutions, and v = sigma_dot. sigma is regular everywhere, while
 //! the angle of a body turns back at a dead centre. The kinetic energy is T = sigma_dot^2 / 2, so that sigma is the
-//! path in m of a mass of 1 kg with the same kinetic energy. The integral parts of controllers follow.
+//! path in m of a mass of 1 kg with the same kinetic energy. The states of controllers follow.
 //!
 //! In: states that the host's solver tries, events that it has found. Out: derivatives, event indicators, the state
 //! after an event. What a stop does to the motion is the law of co-simulation. It must not know FMI's life cycle.
@@ -132,8 +132,8 @@ impl Model {
     /// The present parameters give no mechanism.
     pub fn continuous_states(&mut self) -> Result<[f64; MOST_STATES], ModelError> {
         let motion = self.states_of_motion()?;
-        let integrals = self.shown()?.0.memory.integrals();
-        Ok(joined(motion, integrals.map_or(&[], |all| all)))
+        let controllers = self.shown()?.0.memory.controllers();
+        Ok(joined(motion, controllers.map_or(&[], |all| all)))
     }
 
     /// Take the states that the host's solver tries; those that are not given stay. Where the curve ends at a rigid
@@ -149,7 +149,7 @@ impl Model {
         else {
             return Err(ModelError::NotInitialised.into());
         };
-        let [x, v, ref integrals @ ..] = *states else { return Err(ModelError::NotInitialised.into()) };
+        let [x, v, ref controllers @ ..] = *states else { return Err(ModelError::NotInitialised.into()) };
         if !(x.is_finite() && v.is_finite()) {
             return Err(NoValue::AtState(format!(
                 "the continuous states are {} and {}; both states must be finite",
@@ -157,8 +157,8 @@ impl Model {
                 Decimal(v)
             )));
         }
-        if let Some(value) = integrals.iter().find(|value| !value.is_finite()) {
-            let why = format!("an integral part of a controller is {}; it must be finite", Decimal(*value));
+        if let Some(value) = controllers.iter().find(|value| !value.is_finite()) {
+            let why = format!("a state of a controller is {}; it must be finite", Decimal(*value));
             return Err(NoValue::AtState(why));
         }
         if is_prescribed {
@@ -171,8 +171,8 @@ impl Model {
         } else {
             place(reduced, state, x)?
         };
-        if !integrals.is_empty() {
-            motion.state.memory.set_integrals(integrals);
+        if !controllers.is_empty() {
+            motion.state.memory.set_controllers(controllers);
         }
         motion.move_to(sigma, v, revolutions);
         exchange.tried = (counted(reduced, &motion.state) != x).then_some([x, v]);
@@ -188,7 +188,7 @@ impl Model {
         let (Some(Formulation::Reduced(state)), Some(reduced)) = (&mut self.state, &self.reduced) else {
             return Err(ModelError::NotInitialised.into());
         };
-        if state.state.memory.integrals().is_none() {
+        if state.state.memory.controllers().is_none() {
             return Ok(joined(motion, &[]));
         }
         match state.read(reduced, &self.inputs, |view| view.circuit_rates()) {

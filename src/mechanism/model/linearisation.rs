@@ -3,7 +3,7 @@
 //! In: a coordinate, inputs, outputs, a number of positions. Out: the matrices at each position, exact by dual numbers
 //! through the laws of the outputs, with eigenfrequency and damping ratio. It must not know any law.
 use super::{Formulation, Model, ModelError};
-use crate::mechanism::definition::{MOST_STATES, Method};
+use crate::mechanism::definition::{ControlState, MOST_STATES, Method};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::contact::{Contact, Place};
 use crate::mechanism::motion::equilibrium::{AtRest, Equilibrium};
@@ -25,8 +25,8 @@ const TOGGLE: f64 = 1e-9;
 /// What is linearised.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearisation {
-    /// The angle of a body or the position of a joint, an output; it, its rate and the integral parts of controllers
-    /// are the state x.
+    /// The angle of a body or the position of a joint, an output; it, its rate and the states of controllers are the
+    /// state x.
     pub coordinate: Reference,
     /// The inputs u: continuous inputs.
     pub inputs: Vec<Reference>,
@@ -50,8 +50,8 @@ pub struct Linearised {
     pub omega: f64,
     /// Damping ratio zeta [1]; not a number where omega is none.
     pub damping_ratio: f64,
-    /// Eigenvalues, each as real and imaginary part [1/s]: of sigma_ddot = -k sigma - d sigma_dot, with the integral
-    /// parts. They are those of `a` at an equilibrium, and the same whatever the coordinate elsewhere.
+    /// Eigenvalues, each as real and imaginary part [1/s]: of sigma_ddot = -k sigma - d sigma_dot, with the states
+    /// of controllers. They are those of `a` at an equilibrium, and the same whatever the coordinate elsewhere.
     pub eigenvalues: Vec<[f64; 2]>,
     /// A, row by row.
     pub a: Vec<Vec<f64>>,
@@ -91,7 +91,7 @@ impl Model {
     /// are more than position and speed.
     pub fn equilibria(&mut self) -> Result<Vec<Equilibrium>, ModelError> {
         self.has_two_states()?;
-        if self.integrating().next().is_some() {
+        if self.control_states().any(|(_, state)| state == ControlState::Integral) {
             return refused_equilibria();
         }
         let (motion, reduced) = self.motion_at_rest()?;
@@ -165,12 +165,12 @@ impl Model {
         Ok(columns)
     }
 
-    /// Drives whose controller has an integral part, by their indices.
-    fn integrating(&self) -> impl Iterator<Item = usize> + '_ {
-        self.original.reduced.loading().integrating()
+    /// States of controllers, with the indices of their drives.
+    fn control_states(&self) -> impl Iterator<Item = (usize, ControlState)> + '_ {
+        self.original.reduced.loading().control_states()
     }
 
-    /// Refuse what has more states than position, speed and integral parts of controllers.
+    /// Refuse what has more states than position, speed and those of controllers.
     fn has_two_states(&self) -> Result<(), ModelError> {
         let refused = |reason: &str| {
             let what = "the linearisation with respect to position and speed".to_owned();
@@ -284,6 +284,8 @@ impl Model {
         motion.move_to(sigma, 0.0, revolutions);
         let touching = pressed_bumpers(reduced, &motion.state.travel, position, 0.0);
         motion.state.contact.set_touching(touching);
+        // At rest a force that follows that of a controller is equal to it; without a displacement nothing has a value.
+        _ = motion.follow(reduced, &inputs, |_| true);
         let held_by = held_by.and_then(|input| Some((input as usize, self.drive_of(input)?)));
         let Some((index, drive)) = held_by else { return (inputs, None) };
         let holding = Output::OneElement { drive, term: OneElement::HoldingForce };
@@ -294,6 +296,7 @@ impl Model {
         if force.is_finite() {
             inputs.reals[index] = force;
             motion.set_input(index, reduced.loading().inputs.len(), force);
+            _ = motion.follow(reduced, &inputs, |_| true);
         }
         (inputs, Some(force))
     }
@@ -311,24 +314,24 @@ impl Model {
         [k, d]: [f64; 2],
         (motion, reduced, inputs): (&mut ReducedMotion, &Reduced, &Inputs),
     ) -> Vec<[f64; 2]> {
-        let drives: Vec<usize> = self.integrating().collect();
-        let states = 2 + drives.len();
+        let controllers: Vec<(usize, ControlState)> = self.control_states().collect();
+        let states = 2 + controllers.len();
         if k.is_nan() || d.is_nan() {
             return vec![[f64::NAN; 2]; states];
         }
-        if drives.is_empty() {
+        if controllers.is_empty() {
             return roots(k, d).to_vec();
         }
         let mut a = DMatrix::zeros(states, states);
         (a[(0, 1)], a[(1, 0)], a[(1, 1)]) = (1.0, -k, -d);
-        for state in 0..states {
-            motion.head_for(reduced, inputs, of_state(state, 1.0), &|_| 0.0);
-            if state >= 2 {
-                a[(1, state)] = motion.slope_of_small_motion(reduced, inputs).unwrap_or(f64::NAN);
+        for column in 0..states {
+            motion.head_for(reduced, inputs, of_state(column, 1.0), &|_| 0.0);
+            if column >= 2 {
+                a[(1, column)] = motion.slope_of_small_motion(reduced, inputs).unwrap_or(f64::NAN);
             }
-            for (row, &drive) in drives.iter().enumerate() {
-                let rate = Output::Integral { drive, order: 1 };
-                a[(2 + row, state)] = motion.derivative(reduced, inputs, rate).unwrap_or(f64::NAN);
+            for (row, &(drive, state)) in controllers.iter().enumerate() {
+                let rate = Output::Controller { drive, state, order: 1 };
+                a[(2 + row, column)] = motion.derivative(reduced, inputs, rate).unwrap_or(f64::NAN);
             }
         }
         if a.iter().any(|value| value.is_nan()) {
@@ -359,7 +362,7 @@ impl Model {
             let derivative = motion.derivative(reduced, inputs, output);
             derivative.unwrap_or(f64::NAN)
         };
-        let rates = self.integrating().map(|drive| Output::Integral { drive, order: 1 });
+        let rates = self.control_states().map(|(drive, state)| Output::Controller { drive, state, order: 1 });
         // The rates of the states but the first one, which is the second state.
         let rates: Vec<Output> = [of(2)].into_iter().chain(rates).collect();
         let states = 1 + rates.len();

@@ -1,7 +1,9 @@
 //! The array of outputs that a host reads again and again, resolved once.
 //!
 //! In: value references. Out: their outputs, found by comparing the references. It must not know how a value is found.
+use crate::mechanism::outputs::function_of;
 use crate::mechanism::quantity::{Output, Quantity};
+use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Variables};
 
 /// Value references of outputs that were read together, and the outputs.
@@ -9,42 +11,51 @@ use crate::variables::{Reference, Variables};
 pub(super) struct Plan {
     references: Vec<Reference>,
     outputs: Vec<Output>,
+    /// The functions of which these outputs are time derivatives.
+    functions: Vec<usize>,
 }
 
 impl Plan {
     /// Fewest outputs that are worth it.
     const FEWEST: usize = 4;
 
-    /// The outputs of these references, if they are those that were resolved.
+    /// The outputs of these references with their functions, if they are those that were resolved.
     #[inline]
-    pub fn of(&self, references: &[Reference]) -> Option<&[Output]> {
-        (self.references == references).then_some(&self.outputs)
+    pub fn of(&self, references: &[Reference]) -> Option<(&[Output], &[usize])> {
+        (self.references == references).then_some((&self.outputs, &self.functions))
     }
 
     /// Make room for so many outputs in all.
     pub fn reserve(&mut self, count: usize) {
         self.references.reserve_exact(count.saturating_sub(self.references.len()));
         self.outputs.reserve_exact(count.saturating_sub(self.outputs.len()));
+        self.functions.reserve_exact(count.saturating_sub(self.functions.len()));
     }
 
     /// Resolve references that were read, if all are outputs and there is room. The longest array is kept, so that
     /// shorter ones that are read in turn with it do not replace it.
     #[inline]
-    pub fn learn(&mut self, references: &[Reference], variables: &Variables<Quantity>) {
+    pub fn learn(&mut self, references: &[Reference], variables: &Variables<Quantity>, reduced: &Reduced) {
         let has_room = references.len() <= self.references.capacity().min(self.outputs.capacity());
         if has_room && references.len() >= Self::FEWEST && references.len() > self.references.len() {
-            self.resolve(references, variables);
+            self.resolve(references, variables, reduced);
         }
     }
 
     #[cold]
-    fn resolve(&mut self, references: &[Reference], variables: &Variables<Quantity>) {
+    fn resolve(&mut self, references: &[Reference], variables: &Variables<Quantity>, reduced: &Reduced) {
         let output = |reference: &Reference| variables.quantity_of(*reference).and_then(Quantity::output);
         if references.iter().all(|reference| output(reference).is_some()) {
             self.references.clear();
             self.references.extend_from_slice(references);
             self.outputs.clear();
             self.outputs.extend(references.iter().filter_map(output));
+            self.functions.clear();
+            for function in self.outputs.iter().filter_map(|output| function_of(reduced, output)) {
+                if !self.functions.contains(&function) {
+                    self.functions.push(function);
+                }
+            }
         }
     }
 }

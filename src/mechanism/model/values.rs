@@ -63,7 +63,7 @@ impl Model {
     pub fn reals(&mut self, references: &[Reference], give: impl FnMut(f64)) -> Result<(), ModelError> {
         if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
             (&mut self.state, &self.reduced, self.exchange)
-            && let Some(plan) = self.plan.of(references)
+            && let Some((plan, _)) = self.plan.of(references)
         {
             motion.outputs(reduced, &self.inputs).values(plan, give);
             return Ok(());
@@ -84,7 +84,7 @@ impl Model {
             && references.iter().any(|r| matches!(variables.quantity_of(*r), Some(Quantity::Output(_))))
         {
             let (mut outputs, inputs) = (motion.outputs(reduced, &self.inputs), &self.inputs.reals);
-            self.plan.learn(references, variables);
+            self.plan.learn(references, variables, reduced);
             for &reference in references {
                 give(match variables.quantity_of(reference) {
                     Some(Quantity::Output(output)) => outputs.value(output),

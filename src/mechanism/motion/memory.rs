@@ -6,7 +6,7 @@
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::CIRCUIT;
 use crate::integrator::{Integrator, Statistics};
-use crate::mechanism::definition::MOST_INTEGRALS;
+use crate::mechanism::definition::MOST_CONTROL_STATES;
 use crate::mechanism::dynamics::controlled::CONTROLLED;
 use crate::mechanism::dynamics::hydraulic::DRIVEN;
 use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED};
@@ -26,12 +26,12 @@ pub enum Memory {
     Conservative(Integrator<2>, Lookahead<2>),
     /// The energy lost is integrated too.
     WithDissipation(Integrator<3>, Lookahead<3>),
-    /// The hydraulic circuit of a drive, the hydraulic network of the mechanism, or the integral parts of controllers
-    /// are integrated too.
+    /// The hydraulic circuit of a drive, the hydraulic network of the mechanism, or the states of controllers are
+    /// integrated too.
     WithHydraulics(Box<dyn HydraulicMotion>),
 }
 
-/// State of a hydraulic circuit, a network or integral parts of C components, with the memory of the integration.
+/// State of a hydraulic circuit, a network or controllers of C components, with the memory of the integration.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HydraulicMemory<const N: usize, const C: usize> {
     pub integrator: Integrator<N>,
@@ -47,17 +47,17 @@ pub struct HydraulicMemory<const N: usize, const C: usize> {
 pub type CircuitMemory = HydraulicMemory<DRIVEN, CIRCUIT>;
 /// Of a network.
 pub type NetworkMemory = HydraulicMemory<NETWORKED, CAPACITY>;
-/// Of the integral parts of controllers.
-pub type ControlMemory = HydraulicMemory<CONTROLLED, MOST_INTEGRALS>;
+/// Of controllers.
+pub type ControlMemory = HydraulicMemory<CONTROLLED, MOST_CONTROL_STATES>;
 
-/// State of a hydraulic circuit, of a network, or of the integral parts of controllers.
+/// State of a hydraulic circuit, of a network, or of controllers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CircuitState<const C: usize = CIRCUIT> {
     /// Time since the start.
     pub time: Elapsed,
     /// Of a circuit: pressures of the chambers A and B [Pa], position and speed of the spool, six energies [J],
     /// pressure of the accumulator [Pa]. Of a network: its components, then the volume of all chambers at the start
-    /// [m3], then for each pressure lock 1 if it is engaged, else 0. Of controllers: integral parts [N or N.m].
+    /// [m3], then for each pressure lock 1 if it is engaged, else 0. Of controllers: their states [N or N.m].
     pub values: [f64; C],
 }
 
@@ -109,16 +109,16 @@ impl<const N: usize, const C: usize> HydraulicMemory<N, C> {
 
 /// A motion with hydraulics that begins in this state, with so many inputs.
 type Make<const C: usize> = fn(CircuitState<C>, usize) -> Box<dyn HydraulicMotion>;
-/// Makers of motions with a circuit, with a network and with integral parts of controllers.
-static MAKERS: OnceLock<(Make<CIRCUIT>, Make<CAPACITY>, Make<MOST_INTEGRALS>)> = OnceLock::new();
+/// Makers of motions with a circuit, with a network and with states of controllers.
+static MAKERS: OnceLock<(Make<CIRCUIT>, Make<CAPACITY>, Make<MOST_CONTROL_STATES>)> = OnceLock::new();
 
-/// State that mechanisms may have hydraulics or integral parts of controllers. A library that never does so is without
-/// the code of their steps.
+/// State that mechanisms may have hydraulics or states of controllers. A library that never does so is without the code
+/// of their steps.
 pub fn allow_hydraulics() {
     MAKERS.get_or_init(|| {
         let circuit: Make<CIRCUIT> = |state, ports| Box::new(CircuitMemory::new(state, ports));
         let network: Make<CAPACITY> = |state, ports| Box::new(NetworkMemory::new(state, ports));
-        let control: Make<MOST_INTEGRALS> = |state, ports| Box::new(ControlMemory::new(state, ports));
+        let control: Make<MOST_CONTROL_STATES> = |state, ports| Box::new(ControlMemory::new(state, ports));
         (circuit, network, control)
     });
 }
@@ -148,11 +148,11 @@ impl Memory {
         Ok(Self::WithHydraulics(make(state, ports)))
     }
 
-    /// [`Self::with_circuit`] for integral parts of controllers.
+    /// [`Self::with_circuit`] for states of controllers.
     ///
     /// # Errors
     /// As [`Self::with_circuit`].
-    pub fn with_control(state: CircuitState<MOST_INTEGRALS>) -> Result<Self, ModelError> {
+    pub fn with_control(state: CircuitState<MOST_CONTROL_STATES>) -> Result<Self, ModelError> {
         let (.., make) = MAKERS.get().ok_or(ModelError::NoHydraulics)?;
         Ok(Self::WithHydraulics(make(state, 0)))
     }
@@ -221,14 +221,14 @@ impl Memory {
         self.hydraulics::<NetworkMemory>().map(|memory| &memory.circuit)
     }
 
-    /// Integral parts of controllers [N or N.m]; none without one.
+    /// States of controllers [N or N.m]; none without one.
     #[inline]
-    pub fn integrals(&self) -> Option<&[f64; MOST_INTEGRALS]> {
+    pub fn controllers(&self) -> Option<&[f64; MOST_CONTROL_STATES]> {
         self.hydraulics::<ControlMemory>().map(|memory| &memory.circuit.values)
     }
 
-    /// Change the integral parts of controllers, if there are any: the integration starts anew.
-    pub fn set_integrals(&mut self, values: &[f64]) {
+    /// Change the first states of controllers, if there are any: the integration starts anew.
+    pub fn set_controllers(&mut self, values: &[f64]) {
         let Self::WithHydraulics(motion) = self else { return };
         if let Some(memory) = (motion.as_mut() as &mut dyn Any).downcast_mut::<ControlMemory>() {
             memory.circuit.values.iter_mut().zip(values).for_each(|(own, value)| *own = *value);

@@ -99,7 +99,7 @@ impl SavedState {
         if reduced.loading().network.is_some() {
             saved.memory = Memory::with_network(CircuitState::default(), reduced.loading().ports())?;
         }
-        if reduced.loading().integrating().next().is_some() {
+        if reduced.loading().control_states().next().is_some() {
             saved.memory = Memory::with_control(CircuitState::default())?;
         }
         saved.prescribed = reduced.can_prescribe().then(PrescribedState::default);

@@ -4,6 +4,7 @@
 //! know outputs.
 mod arrival;
 mod circuit;
+mod energy;
 mod inputs;
 mod jump;
 mod ports;
@@ -166,12 +167,19 @@ impl State {
     }
 
     /// Advance by exactly `h` [s] under these inputs, or to the first event if the witness pauses there. On an error
-    /// the state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached.
+    /// the state is what it was, but for [`ModelError::Interrupted`], on which it is that at the time reached. `known`:
+    /// what outputs have evaluated last under these inputs.
     ///
     /// # Errors
     /// The loads overflow, the integration stopped, friction locks, the travel of an open curve without stops ended, or
     /// the work of the step met its bound.
-    pub fn step(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64, solver: &Solver) -> Result<Reached, ModelError> {
+    pub fn step(
+        &mut self,
+        reduced: &Reduced,
+        inputs: &Inputs,
+        (h, solver): (f64, &Solver),
+        known: &Scratch,
+    ) -> Result<Reached, ModelError> {
         if self.is_prescribed(inputs) {
             return self.step_prescribed(reduced, inputs, h, solver);
         }
@@ -193,6 +201,7 @@ impl State {
             None => self.apply(reduced, inputs, h)?,
         };
         let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
+        self.share(reduced, known);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
@@ -284,7 +293,6 @@ impl State {
         let sizes = &saved.applied;
         let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
         let mode = Mode::default();
-        scratch.panel_force.on_stretch(reduced.stretch);
         let dynamics = &mut EquationOfMotion {
             whole,
             reduced,
@@ -417,28 +425,5 @@ impl State {
     /// Description of the present position, for messages.
     pub fn describe(&self, reduced: &Reduced) -> String {
         reduced.describe(self.sigma, self.revolutions)
-    }
-
-    /// Kinetic energy T = sigma_dot^2 / 2 [J]: sigma is the length in the kinetic metric.
-    pub fn kinetic(&self) -> f64 {
-        0.5 * self.sigma_dot * self.sigma_dot
-    }
-
-    /// Potential of all loads at the applied sizes [J]: the springs' energy, less the sum of size times `displacement`.
-    pub fn load_potential(&self, reduced: &Reduced, mut displacement: impl FnMut(usize) -> f64) -> f64 {
-        let springs = reduced.loading().springs.iter();
-        let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(displacement(spring.load)));
-        for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
-            if !reduced.loading().is_command(load) {
-                sum -= size * displacement(load);
-            }
-        }
-        sum
-    }
-
-    /// Displacement of a load, counted on over whole revolutions.
-    pub fn displacement(&self, reduced: &Reduced, load: usize) -> f64 {
-        let growth = if self.revolutions == 0.0 { 0.0 } else { self.revolutions * reduced.load_growth(load) };
-        reduced.displacement_at(load, self.sigma, self.scratch.panel_force.panel()) + growth
     }
 }

@@ -142,16 +142,12 @@ fn passages(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Vec<Passa
         let (table, growth) = (displacement(at_start, stop, revolutions)?, reduced.load_growth(stop.load));
         let at = table.position(sigma);
         let (s, slope) = (table.value(at, 0) + revolutions * growth, table.value(at, 1));
-        if !stop.rigid && stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs()) {
-            let inward = [-slope * stop.sign(), slope * stop.sign()].map(|sign| if sign < 0.0 { -1.0 } else { 1.0 });
-            let mut found = inward.into_iter().filter_map(|direction| {
-                let begins = begins_behind(reduced, stop, (sigma, revolutions), direction)?;
-                Some((usize::from(direction < 0.0), begins))
-            });
-            if let Some((side, begins)) = found.next() {
-                positions[side] = Some(begins);
-                continue;
-            }
+        if !stop.rigid
+            && stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs())
+            && let Some((side, begins)) = behind(reduced, stop, (sigma, revolutions), slope)
+        {
+            positions[side] = Some(begins);
+            continue;
         }
         beyond_stop(stop, s)?;
         let is_near = stop.beyond(s) > -AT_STOP * (1.0 + stop.value.abs());
@@ -183,7 +179,35 @@ fn passages(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Vec<Passa
     Ok(met)
 }
 
-/// Where a bumper begins that is compressed at a start, in a direction from there.
+/// The position nearest to sigma = 0 that no rigid stop excludes, counted on over whole revolutions.
+///
+/// # Errors
+/// A stop's quantity is not smooth.
+pub fn within_stops(reduced: &Reduced) -> Result<f64, ModelError> {
+    let mut here = 0.0;
+    for stop in reduced.loading().stops.iter().filter(|stop| stop.enabled && stop.rigid) {
+        let (sigma, revolutions) = reduced.unwound(here);
+        let table = displacement(reduced.at(sigma), stop, revolutions)?;
+        let at = table.position(sigma);
+        let s = table.value(at, 0) + revolutions * reduced.load_growth(stop.load);
+        if stop.beyond(s) > AT_STOP * (1.0 + stop.value.abs()) {
+            let found = behind(reduced, stop, (sigma, revolutions), table.value(at, 1));
+            here = found.map_or(here, |(_, position)| position);
+        }
+    }
+    Ok(here)
+}
+
+/// Where a stop is that is passed at a position, with the side on which it then is. `slope`: derivative of its
+/// displacement along sigma. The direction in which the stop comes nearer is searched first.
+fn behind(reduced: &Reduced, stop: &Stop, at: (f64, f64), slope: f64) -> Option<(usize, f64)> {
+    let inward = [-slope * stop.sign(), slope * stop.sign()].map(|sign| if sign < 0.0 { -1.0 } else { 1.0 });
+    inward
+        .into_iter()
+        .find_map(|direction| Some((usize::from(direction < 0.0), begins_behind(reduced, stop, at, direction)?)))
+}
+
+/// Where a stop is that is passed at a start, in a direction from there.
 fn begins_behind(reduced: &Reduced, stop: &Stop, (sigma, revolutions): (f64, f64), direction: f64) -> Option<f64> {
     let (mut stretch, mut from) = (reduced.at(sigma), Some(sigma));
     loop {

@@ -21,27 +21,23 @@ pub struct OutputCache<N: Differentiable> {
     pub forces: Option<Forces<N>>,
     /// Number of the state and the inputs: each change of them has another one.
     pub version: u64,
-    /// The functions of sigma whose tables have their first two derivatives, with these derivatives and the version for
-    /// which they were evaluated: coordinates, then x and y of each marker.
-    pub functions: Vec<(u64, [N; 3])>,
-    /// Panel in which sigma was last, in the table read last.
+    /// The functions of sigma whose tables have their first two derivatives, with these derivatives: coordinates, then
+    /// x and y of each marker.
+    pub functions: Vec<Found<[N; 3]>>,
+    /// Panel in which sigma was last, in the table of the influences.
     pub panel: usize,
     /// What terms of the drive asked for last share, once evaluated in this state.
     pub drive: Option<DriveTerms<N>>,
     /// The drive asked for last at the rigid stop at each end of the travel.
     pub ends: [Option<DriveEnd>; 2],
-    /// Displacement of each load, once evaluated in this state; else NaN.
-    pub displacements: Vec<f64>,
-    /// Whether there is one.
-    pub has_displacements: bool,
-    /// Reaction of each joint, once evaluated in this state.
-    pub reactions: Vec<Option<[N; 3]>>,
-    /// Force that each mesh of teeth transmits along the motion, once evaluated in this state.
-    pub transmitted: Vec<Option<N>>,
+    /// Displacement of each load.
+    pub displacements: Vec<Found<f64>>,
+    /// Reaction of each joint, with the version for which it was evaluated.
+    pub reactions: Vec<(u64, [N; 3])>,
+    /// Force that each mesh of teeth transmits along the motion, with the version for which it was evaluated.
+    pub transmitted: Vec<(u64, N)>,
     /// What the reactions of the joints of each group are without what holds the mechanism.
     pub groups: Vec<GroupValues<N>>,
-    /// Whether a reaction has been evaluated in this state.
-    pub has_reactions: bool,
     /// What reactions are sums of, once one has been evaluated in this state.
     pub shares: Shares<N>,
     /// Reactions that have no table.
@@ -52,6 +48,23 @@ pub struct OutputCache<N: Differentiable> {
     pub computed: Computed,
     /// Scratch of the equation of motion.
     pub scratch: Scratch<N>,
+}
+
+/// What a table has at sigma.
+#[derive(Clone, Copy, Debug)]
+pub struct Found<T> {
+    /// [`OutputCache::version`] of the state in which the values were found; 0 where none were.
+    pub version: u64,
+    /// Panel in which sigma was last.
+    pub panel: usize,
+    pub values: T,
+}
+
+impl<T> Found<T> {
+    /// Not found yet.
+    fn blank(values: T) -> Self {
+        Self { version: 0, panel: 0, values }
+    }
 }
 
 /// What terms of one drive share, with S its displacement.
@@ -107,17 +120,15 @@ impl<N: Differentiable> OutputCache<N> {
             direction,
             forces: None,
             version: 1,
-            functions: vec![(0, [N::constant(0.0); 3]); reduced.functions()],
+            functions: vec![Found::blank([N::constant(0.0); 3]); reduced.functions()],
             panel: 0,
             drive: None,
             ends: [None; 2],
-            displacements: vec![f64::NAN; reduced.loading().loads.len()],
-            has_displacements: false,
-            reactions: vec![None; reduced.linkage().joints.len()],
+            displacements: vec![Found::blank(0.0); reduced.loading().loads.len()],
+            reactions: vec![(0, [N::constant(0.0); PARTS]); reduced.linkage().joints.len()],
             groups: vec![GroupValues::unknown(); reduced.linkage().joints.len().div_ceil(ROW)],
-            transmitted: vec![None; reduced.loading().meshes.len()],
-            has_reactions: false,
-            shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, are_known: false },
+            transmitted: vec![(0, N::constant(0.0)); reduced.loading().meshes.len()],
+            shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, version: 0 },
             exact: ExactReactions::default(),
             network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
             computed: Computed::default(),
@@ -137,35 +148,24 @@ impl<N: Differentiable> OutputCache<N> {
     pub fn invalidate(&mut self) {
         (self.forces, self.drive) = (None, None);
         self.version += 1;
-        if self.has_displacements {
-            self.displacements.fill(f64::NAN);
-            self.has_displacements = false;
-        }
         if let Some((_, is_known)) = &mut self.network {
             *is_known = false;
         }
-        if self.has_reactions {
-            self.reactions.fill(None);
-            self.transmitted.fill(None);
-            self.groups.iter_mut().for_each(|group| group.are_known = false);
-            self.has_reactions = false;
-        }
-        self.shares.are_known = false;
     }
 }
 
-/// Sizes of what causes reactions besides the applied loads as they are: a joint's reaction is the sum of these times
-/// its reactions to each of size 1.
+/// Sizes of what causes reactions: a joint's reaction is the sum of these times its reactions to each of size 1.
 #[derive(Clone, Debug)]
 pub struct Shares<N> {
-    /// sigma_ddot, sigma_dot^2, delivered forces that the state decides, forces of springs.
+    /// sigma_ddot, sigma_dot^2, delivered forces that the state decides, forces of springs, then the applied loads that
+    /// act, or 1 for the sum of many.
     pub given: Vec<N>,
     /// Loads that the state sizes.
     pub state: Vec<N>,
     /// Whether one of these is or becomes other than 0.
     pub acts: bool,
-    /// Whether they are those of this state.
-    pub are_known: bool,
+    /// The version for which they were evaluated.
+    pub version: u64,
 }
 
 /// A direction: state and inputs as functions of one parameter s, at s = 0.
@@ -204,7 +204,7 @@ impl<N: Number> Direction<N> {
     }
 }
 
-/// The direction in which one state changes: sigma (0), sigma_dot (1) or an integral part.
+/// The direction in which one state changes: sigma (0), sigma_dot (1) or a state of a controller.
 pub fn of_state(state: usize, change: f64) -> [f64; MOST_STATES] {
     let mut along = [0.0; MOST_STATES];
     along[state] = change;
@@ -213,6 +213,8 @@ pub fn of_state(state: usize, change: f64) -> [f64; MOST_STATES] {
 
 /// Parts of a reaction: force x, force y, moment.
 pub const PARTS: usize = 3;
+/// Most applied loads that have a term each. The sum of more is one term, which is new when one of them changes.
+pub const MOST_TERMS: usize = 8;
 
 /// Borders of a panel that holds no sigma.
 const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
@@ -222,6 +224,10 @@ const NOWHERE: (f64, f64) = (f64::INFINITY, f64::NEG_INFINITY);
 pub struct PresentLoads {
     /// Sizes of the loads.
     pub sizes: Vec<f64>,
+    /// The loads that act under these sizes and whose delivered force the state does not decide.
+    pub acting: Vec<usize>,
+    /// Whether these are known.
+    pub knows_acting: bool,
     /// Reactions of the joints, group by group, to the loads of these sizes and to all else.
     pub reactions: Vec<GroupReactions>,
     /// Why no force of its drive makes the prescribed motion; none if there is one, or no motion is prescribed.
@@ -230,7 +236,9 @@ pub struct PresentLoads {
 
 impl PresentLoads {
     pub fn new(sizes: Vec<f64>, joints: usize) -> Self {
-        Self { sizes, reactions: vec![GroupReactions::default(); joints.div_ceil(ROW)], undriven: None }
+        let (acting, reactions) =
+            (Vec::with_capacity(sizes.len()), vec![GroupReactions::default(); joints.div_ceil(ROW)]);
+        Self { sizes, acting, knows_acting: false, reactions, undriven: None }
     }
 
     /// Whether there is a force of its drive for a prescribed motion.
@@ -242,8 +250,18 @@ impl PresentLoads {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
-    /// The sizes have changed: the reactions to the applied loads are no longer known.
+    /// A load has another size. Terms of the reactions are others only if the load starts or ceases to act, or if they
+    /// include the sum of many loads.
+    pub fn set(&mut self, load: usize, size: f64) {
+        let acted = std::mem::replace(&mut self.sizes[load], size) != 0.0;
+        if acted != (size != 0.0) || self.acting.len() > MOST_TERMS {
+            self.invalidate();
+        }
+    }
+
+    /// The sizes have changed: other applied loads may act.
     pub fn invalidate(&mut self) {
+        self.knows_acting = false;
         self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
     }
 }
@@ -254,15 +272,12 @@ impl PresentLoads {
 pub struct GroupReactions {
     /// Number of parts - force x, force y, moment - of the joint with the most.
     pub parts: usize,
-    /// The reactions to all applied loads as they are, then to what [`Shares::given`] multiplies.
+    /// The reactions to what [`Shares::given`] multiplies.
     pub given: GroupRows,
-    /// Whether the first term is that of the present sizes.
+    /// Whether the terms of the applied loads are those of the present sizes.
     pub has_applied: bool,
-    /// The loads of which the reactions to size 1 are kept on this panel, so that another size needs sums alone; none
-    /// where many act.
+    /// The applied loads that have terms; none where so many act that their sum is one term.
     pub kept: Vec<usize>,
-    /// These reactions, load by load.
-    pub units: Vec<Row>,
     /// The reactions to the loads that the state sizes, which [`Shares::state`] multiplies.
     pub state: GroupRows,
     /// Whether the loads that the state sizes include those of moving air.
@@ -272,8 +287,8 @@ pub struct GroupReactions {
 /// Parts of the reactions of a group of joints, without those to what holds the mechanism.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupValues<N> {
-    /// Whether they are those of this state.
-    pub are_known: bool,
+    /// The version for which they were evaluated.
+    pub version: u64,
     /// Sums over [`GroupReactions::given`], part by part, joint by joint.
     pub given: [[N; ROW]; PARTS],
     /// Sums over [`GroupReactions::state`]; 0 where none of these loads acts.
@@ -284,7 +299,7 @@ impl<N: Number> GroupValues<N> {
     /// Not known yet.
     fn unknown() -> Self {
         let zero = [[N::constant(0.0); ROW]; PARTS];
-        Self { are_known: false, given: zero, state: zero }
+        Self { version: 0, given: zero, state: zero }
     }
 }
 
@@ -332,7 +347,6 @@ impl GroupRows {
     /// Enter the panels at sigma of the joints' tables, without polynomials. Where a joint has no table the others hold
     /// at sigma alone, so that it is asked for again elsewhere.
     pub fn enter(&mut self, tables: &[Option<PanelTable>], sigma: f64) {
-        self.rows.clear();
         (self.low, self.high) = (f64::NEG_INFINITY, f64::INFINITY);
         for (joint, piece) in tables.iter().enumerate() {
             self.is_resolved[joint] = piece.is_some();

@@ -4,6 +4,7 @@
 //! In: an output, and a formulation of the motion as [`Kinematics`]. Out: the output in numbers N. It must not know how
 //! a formulation finds what it gives.
 use crate::hydraulics::network::outputs as network;
+use crate::mechanism::definition::ControlState;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::impacts::Impacts;
@@ -96,8 +97,8 @@ pub trait Kinematics<N: Number> {
         Ok(self.size(drive))
     }
 
-    /// Integral part of the force of a controlled drive, or its rate (order 1).
-    fn integral(&mut self, _drive: usize, _order: usize) -> Result<N, OutputError> {
+    /// A state of the controller of a drive, or its rate (order 1).
+    fn controller(&mut self, _drive: usize, _state: ControlState, _order: usize) -> Result<N, OutputError> {
         Ok(N::constant(0.0))
     }
 
@@ -171,7 +172,7 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         }
         Output::PressureAngle { coupling } => motion.pressure_angle(coupling)?,
         Output::ActingForce { drive } => motion.acting_force(drive)?,
-        Output::Integral { drive, order } => motion.integral(drive, order)?,
+        Output::Controller { drive, state, order } => motion.controller(drive, state, order)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {
             Some(friction) => {

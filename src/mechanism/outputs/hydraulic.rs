@@ -87,14 +87,14 @@ impl<'a, N: Reading> View<'a, N> {
 }
 
 impl View<'_, f64> {
-    /// Rates of the state of the circuit, network or integral parts in time; 0 without one.
+    /// Rates of the state of the circuit, network or controllers in time; 0 without one.
     pub fn circuit_rates(&mut self) -> Result<[f64; CAPACITY], OutputError> {
         let mut rates = [0.0; CAPACITY];
         if let Some((drives, network)) = self.own_network() {
             return self.network_rates(drives, network);
         }
-        for (rate, drive) in rates.iter_mut().zip(self.reduced.loading().integrating()) {
-            *rate = self.integral(drive, 1)?;
+        for (rate, (drive, state)) in rates.iter_mut().zip(self.reduced.loading().control_states()) {
+            *rate = self.controller(drive, state, 1)?;
         }
         if let Some((laws, circuit)) = self.own_circuit() {
             let at = self.point(circuit, true)?;

@@ -4,9 +4,9 @@
 //! FMI.
 mod by_body;
 mod cache;
+mod controllers;
 mod evaluator;
 mod hydraulic;
-mod integral;
 mod network;
 mod one_element;
 mod reaction;
@@ -18,4 +18,5 @@ mod view;
 pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use reduced_motion::ReducedMotion;
+pub use tabulated::function_of;
 pub use view::View;

@@ -25,7 +25,7 @@ impl<N: Reading> View<'_, N> {
         let speed = slope * sigma_dot;
         let with_efficiency = |power: f64, value: N| with_efficiency(efficiency, power, value);
         let power = match efficiency {
-            Some(_) => self.acting(drive, speed)?[0].value() * speed.value(),
+            Some(_) => self.acting(drive, speed)?.force.value() * speed.value(),
             None => 0.0,
         };
         let value = match term {
@@ -85,7 +85,7 @@ impl<N: Reading> View<'_, N> {
 
     #[inline(never)]
     fn find_slopes(&mut self, drive: usize) -> Result<[N; 2], OutputError> {
-        let (table, position) = self.reduced.displacement_near(drive, self.state.sigma, self.cache.panel)?;
+        let (table, position) = self.displacement_table(drive)?;
         let slopes = self.with_derivative(table, position, 1);
         self.cache.drive = Some(DriveTerms { drive, slopes, influence: None });
         Ok(slopes)

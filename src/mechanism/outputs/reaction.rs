@@ -3,7 +3,7 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, OutputCache, PARTS};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, MOST_TERMS, OutputCache, PARTS, PresentLoads};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
@@ -20,7 +20,10 @@ impl<'a, N: Reading> View<'a, N> {
     #[inline(never)]
     pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
         self.find_sums(joint / ROW)?;
-        if let Some(value) = self.cache.reactions[joint] {
+        let version = self.cache.version;
+        if let (known, value) = self.cache.reactions[joint]
+            && known == version
+        {
             return Ok(value);
         }
         let mut value = self.reaction_along(joint)?;
@@ -28,8 +31,7 @@ impl<'a, N: Reading> View<'a, N> {
             self.add_separation(mesh, joint, &mut value)?;
         }
         let value = value.map(finite);
-        self.cache.reactions[joint] = Some(value);
-        self.cache.has_reactions = true;
+        self.cache.reactions[joint] = (version, value);
         Ok(value)
     }
 
@@ -39,12 +41,12 @@ impl<'a, N: Reading> View<'a, N> {
     #[inline(never)]
     fn add_separation(&mut self, mesh: usize, joint: usize, value: &mut Parts<N>) -> Result<(), OutputError> {
         let Mesh { joint: own, loads, tangent } = self.reduced.loading().meshes[mesh];
+        let version = self.cache.version;
         let transmitted = match self.cache.transmitted[mesh] {
-            Some(transmitted) => transmitted,
-            None => self.reaction_along(own)?[2],
+            (known, transmitted) if known == version => transmitted,
+            _ => self.reaction_along(own)?[2],
         };
-        self.cache.transmitted[mesh] = Some(transmitted);
-        self.cache.has_reactions = true;
+        self.cache.transmitted[mesh] = (version, transmitted);
         let (size, load) = if transmitted.value() < 0.0 { (-transmitted, loads[0]) } else { (transmitted, loads[1]) };
         let parts = parts_of(self.reduced, joint);
         self.add_column(joint, 2 + load, size * tangent, &mut value[..parts])
@@ -112,7 +114,8 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// Sizes of what causes reactions, evaluated once for a state.
     fn find_shares(&mut self) -> Result<(), OutputError> {
-        if self.cache.shares.are_known {
+        let version = self.cache.version;
+        if self.cache.shares.version == version {
             return Ok(());
         }
         let (forces, sigma_dot) = (self.forces()?, self.sigma_dot());
@@ -128,14 +131,27 @@ impl<'a, N: Reading> View<'a, N> {
         if self.reduced.sums_springs() {
             given.push(N::constant(1.0));
         }
+        // The polynomials have the values of the inputs, without their derivatives.
+        self.causes().find_acting(self.loads);
+        let PresentLoads { sizes, acting, .. } = &*self.loads;
+        match acting.len() {
+            0..=MOST_TERMS => given.extend(acting.iter().map(|load| N::constant(sizes[*load]))),
+            _ => given.push(N::constant(1.0)),
+        }
         let shares = &mut self.cache.shares;
-        (shares.given, shares.are_known) = (given, true);
+        (shares.given, shares.version) = (given, version);
         shares.state.clear();
         shares.state.extend_from_slice(&self.cache.scratch.evaluator.loads);
         if let Some(state_loads) = self.state_loads() {
             // Their whole force is among those of springs.
             let springs = state_loads.spring(0)..state_loads.free();
             self.cache.shares.state[springs].fill(N::constant(0.0));
+            // The forces that push teeth apart are those of the transmitted forces, which may be means at rest.
+            for mesh in &loading.meshes {
+                if let Some(teeth) = state_loads.loads.iter().position(|load| mesh.loads.contains(load)) {
+                    self.cache.shares.state[teeth] = N::constant(0.0);
+                }
+            }
         }
         let shares = &mut self.cache.shares;
         shares.acts = !shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant());
@@ -146,7 +162,7 @@ impl<'a, N: Reading> View<'a, N> {
     /// that.
     #[inline]
     fn find_sums(&mut self, group: usize) -> Result<(), OutputError> {
-        if self.cache.groups[group].are_known {
+        if self.cache.groups[group].version == self.cache.version {
             return Ok(());
         }
         self.find_shares()?;
@@ -162,12 +178,13 @@ impl<'a, N: Reading> View<'a, N> {
     fn finish(&mut self, group: usize) {
         let (joints, acts) = (joints_of(self.reduced, group), self.cache.shares.acts);
         let GroupReactions { given: with, state: with_state, .. } = &self.loads.reactions[group];
-        let OutputCache { groups, reactions, .. } = &mut *self.cache;
+        let OutputCache { groups, reactions, version, .. } = &mut *self.cache;
         let GroupValues { given, state, .. } = &groups[group];
         for (own, reaction) in reactions[joints].iter_mut().enumerate() {
             if with.is_resolved[own] && (!acts || with_state.is_resolved[own]) {
                 let zero = N::constant(0.0);
-                *reaction = Some(std::array::from_fn(|part| finite(zero + given[part][own] + state[part][own])));
+                let parts = std::array::from_fn(|part| finite(zero + given[part][own] + state[part][own]));
+                *reaction = (*version, parts);
             }
         }
     }
@@ -185,21 +202,17 @@ impl<'a, N: Reading> View<'a, N> {
         }
         let sigma = self.sigma();
         let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
-        let OutputCache { groups, shares, has_reactions, .. } = &mut *self.cache;
-        // The first term is that of the applied loads as they are.
-        let (applied, terms) = given.rows.split_at(*parts);
-        let of_given = sum_at(applied, (terms, *parts), &shares.given, given.x(sigma));
+        let OutputCache { groups, shares, version, .. } = &mut *self.cache;
+        let of_given = sum_at((&given.rows, *parts), &shares.given, given.x(sigma));
         let of_state = if acts {
-            sum_at(&[], (&state.rows, *parts), &shares.state, state.x(sigma))
+            sum_at((&state.rows, *parts), &shares.state, state.x(sigma))
         } else {
             [[N::constant(0.0); ROW]; PARTS]
         };
-        groups[group] = GroupValues { are_known: true, given: of_given, state: of_state };
-        *has_reactions = true;
+        groups[group] = GroupValues { version: *version, given: of_given, state: of_state };
     }
 
-    /// Add to a joint's reaction its change with the inputs along the direction: the polynomials have the values of the
-    /// inputs, without their derivatives.
+    /// Add to a joint's reaction its change with the inputs along the direction, which the sizes of terms do not have.
     fn add_changes(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
         if N::CARRIES {
             let decided = self.causes().decided();

@@ -49,7 +49,9 @@ impl ReducedMotion {
         mechanism: &Mechanism,
         inputs: &Inputs,
     ) -> Result<Self, ModelError> {
-        Ok(Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs))
+        let mut motion = Self::new(State::from_start(start, reduced, mechanism, inputs)?, reduced, inputs);
+        motion.follow_at_start(reduced, mechanism, inputs)?;
+        Ok(motion)
     }
 
     /// [`Self::at_start`] in place, from a state of the same reduced model; without allocation unless air has begun or
@@ -68,7 +70,17 @@ impl ReducedMotion {
         self.set_sizes(&inputs.reals[..reduced.loading().inputs.len()]);
         self.cache.begin();
         self.unsettle();
-        Ok(())
+        self.follow_at_start(reduced, mechanism, inputs)
+    }
+
+    /// At the start, forces that follow those of controllers and are not stated are equal to them.
+    fn follow_at_start(&mut self, reduced: &Reduced, mechanism: &Mechanism, inputs: &Inputs) -> Result<(), ModelError> {
+        if !mechanism.has_forces_by_inputs() {
+            return Ok(());
+        }
+        let is_stated =
+            |index| mechanism.control_states().nth(index).is_some_and(|(_, own, _)| own.start_force.is_some());
+        self.follow(reduced, inputs, |index| !is_stated(index))
     }
 
     /// A state that continues from the saved one, under these inputs.
@@ -120,7 +132,7 @@ impl ReducedMotion {
         solver: &Solver,
     ) -> Result<Reached, ModelError> {
         let revolutions = self.state.revolutions;
-        match self.state.step(reduced, inputs, h, solver) {
+        match self.state.step(reduced, inputs, (h, solver), &self.cache.scratch) {
             Ok(reached) => {
                 self.state.pass(point, reached.time(h));
                 self.invalidate(revolutions);
@@ -155,7 +167,8 @@ impl ReducedMotion {
     #[inline]
     fn set_sizes(&mut self, sizes: &[f64]) {
         if become_same(&mut self.loads.sizes[..sizes.len()], sizes) {
-            self.invalidate_sizes();
+            self.loads.invalidate();
+            self.cache.scratch.panel_force.invalidate();
         }
     }
 
@@ -184,8 +197,7 @@ impl ReducedMotion {
     /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
     pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
         if input < loads {
-            self.loads.sizes[input] = value;
-            self.invalidate_sizes();
+            self.set_size(input, value);
         }
         self.inputs_changed();
     }
@@ -201,14 +213,15 @@ impl ReducedMotion {
         self.state.inputs_changed();
     }
 
-    pub(super) fn invalidate_sizes(&mut self) {
+    /// A load has this size.
+    pub(super) fn set_size(&mut self, load: usize, size: f64) {
+        self.loads.set(load, size);
         self.cache.scratch.panel_force.invalidate();
-        self.loads.invalidate();
     }
 
     /// The state has changed, from one after so many whole revolutions.
     #[inline]
-    fn invalidate(&mut self, revolutions: f64) {
+    pub(super) fn invalidate(&mut self, revolutions: f64) {
         if revolutions != self.state.revolutions {
             self.cache.scratch.panel_force.invalidate();
         }
@@ -318,8 +331,8 @@ impl ReducedMotion {
 /// inner regime; of a drive with an efficiency that in the present direction. What is held at a stop or by a lock stays
 /// held.
 impl ReducedMotion {
-    /// Head in a direction in which sigma, sigma_dot and the integral parts of controllers change by `along` and the
-    /// inputs by `seeds`.
+    /// Head in a direction in which sigma, sigma_dot and the states of controllers change by `along` and the inputs by
+    /// `seeds`.
     #[inline]
     pub fn head_for(
         &mut self,

@@ -2,13 +2,17 @@
 //!
 //! In: a view of a state, a table. Out: values with their derivatives along the direction. It must not know which
 //! output asks.
+use crate::mechanism::outputs::cache::Found;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::quantity::Output;
+use crate::mechanism::reduced::Reduced;
 use crate::numerics::chebyshev::slopes_of;
+use crate::numerics::processor::{self, Arithmetic, Task};
 use crate::numerics::table::{Table, TablePosition, polynomial_at};
 
-impl<N: Reading> View<'_, N> {
-    /// Position of sigma in a table: mostly on the panel on which it is in the table read last.
+impl<'a, N: Reading> View<'a, N> {
+    /// Position of sigma in a table: mostly on the panel on which it is in the table of the influences.
     #[inline]
     pub fn position(&self, table: &Table) -> TablePosition {
         table.position_near(self.state.sigma, self.cache.panel)
@@ -42,28 +46,48 @@ impl<N: Reading> View<'_, N> {
         [self.before_derivative(table, position, component), self.component(table, position, component + 1)]
     }
 
+    /// The table of a load's displacement, with the position of sigma in it.
+    ///
+    /// # Errors
+    /// As [`Reduced::displacement_near`].
+    #[inline(always)]
+    pub fn displacement_table(&mut self, load: usize) -> Result<(&'a Table, TablePosition), OutputError> {
+        let found = &mut self.cache.displacements[load];
+        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, found.panel)?;
+        found.panel = position.panel;
+        Ok((table, position))
+    }
+
     /// Displacement of a load, counted on over whole revolutions; found once for a state.
     #[inline]
     pub fn displaced(&mut self, load: usize) -> f64 {
-        let known = self.cache.displacements[load];
-        if !known.is_nan() {
-            return known;
+        let (found, version) = (&mut self.cache.displacements[load], self.cache.version);
+        if found.version != version {
+            found.values = self.state.displacement_near(self.reduced, load, &mut found.panel);
+            found.version = version;
         }
-        let value = self.state.displacement(self.reduced, load);
-        (self.cache.displacements[load], self.cache.has_displacements) = (value, true);
-        value
+        found.values
     }
 
     /// S_sigma of a sized load.
-    pub fn influence(&self, load: usize) -> N {
+    pub fn influence(&mut self, load: usize) -> N {
+        let (table, position) = self.influence_table();
+        self.component(table, position, load)
+    }
+
+    /// The table of the influences, with the position of sigma in it.
+    #[inline]
+    fn influence_table(&mut self) -> (&'a Table, TablePosition) {
         let table = self.reduced.influence();
-        self.component(table, self.position(table), load)
+        let position = self.position(table);
+        self.cache.panel = position.panel;
+        (table, position)
     }
 
     /// Time derivative of one of the functions of the cache: all its orders are evaluated when one is read.
     #[inline(always)]
     pub fn time_derivative(&mut self, function: usize, order: usize) -> Result<N, OutputError> {
-        let (version, values) = self.cache.functions[function];
+        let Found { version, values, .. } = self.cache.functions[function];
         let [value, slope, curvature] =
             if version == self.cache.version { values } else { self.find_function(function)? };
         Ok(match order {
@@ -76,28 +100,72 @@ impl<N: Reading> View<'_, N> {
     /// A function with its first two derivatives along sigma.
     #[inline(never)]
     fn find_function(&mut self, function: usize) -> Result<[N; 3], OutputError> {
+        if self.sigma().is_constant() {
+            return processor::run(Functions { view: self, functions: &[function] });
+        }
+        let (table, position, first) = self.function_table(function)?;
+        let [slope, curvature] = self.with_derivative(table, position, first + 1);
+        let values = [self.before_derivative(table, position, first), slope, curvature];
+        self.cache.functions[function] = Found { version: self.cache.version, panel: position.panel, values };
+        Ok(values)
+    }
+
+    /// The table of a function, the position of sigma in it, and the function's first component.
+    #[inline(always)]
+    fn function_table(&self, function: usize) -> Result<(&'a Table, TablePosition, usize), OutputError> {
         let coordinates = self.reduced.linkage().coordinates.len();
         let (table, first) = match function.checked_sub(coordinates) {
             None => (self.reduced.coordinates()?, 3 * function),
             Some(of_marker) => (self.reduced.marker(of_marker / 2)?, 3 * (of_marker % 2)),
         };
-        let position = self.position(table);
-        self.cache.panel = position.panel;
-        // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
-        let value = self.before_derivative(table, position, first);
-        let [slope, curvature] = self.with_derivative(table, position, first + 1);
-        let values = [value, slope, curvature];
-        self.cache.functions[function] = (self.cache.version, values);
-        Ok(values)
+        Ok((table, table.position_near(self.state.sigma, self.cache.functions[function].panel), first))
     }
 
     /// Derivative along sigma of S_sigma of a sized load.
-    pub fn influence_slope(&self, load: usize) -> N {
-        let (table, sigma) = (self.reduced.influence(), self.sigma());
-        let position = self.position(table);
+    pub fn influence_slope(&mut self, load: usize) -> N {
+        let ((table, position), sigma) = (self.influence_table(), self.sigma());
         let (a, b) = table.borders(position.panel);
         let scale = 2.0 / (b - a);
         let slopes = slopes_of(table.series(position.panel, load));
         polynomial_at(&slopes, sigma.chain(position.x, scale)) * scale
+    }
+}
+
+impl View<'_, f64> {
+    /// Find functions that are read together. Where one has no table, those after it are found when they are read.
+    pub fn find_functions(&mut self, functions: &[usize]) {
+        _ = processor::run(Functions { view: self, functions });
+    }
+}
+
+/// Functions to evaluate where sigma carries no derivatives; the result is the last one.
+struct Functions<'v, 'a, N: Reading> {
+    view: &'v mut View<'a, N>,
+    functions: &'v [usize],
+}
+
+impl<N: Reading> Task for Functions<'_, '_, N> {
+    type Result = Result<[N; 3], OutputError>;
+
+    #[inline(always)]
+    fn run<A: Arithmetic>(self) -> Self::Result {
+        let (mut values, version) = ([N::constant(0.0); 3], self.view.cache.version);
+        for &function in self.functions {
+            let (table, position, first) = self.view.function_table(function)?;
+            // The value is evaluated as where a stop is sought, so that a mechanism at a stop has the stop's position.
+            values = table.value_and_next::<A, 3>(position, first).map(N::constant);
+            self.view.cache.functions[function] = Found { version, panel: position.panel, values };
+        }
+        Ok(values)
+    }
+}
+
+/// The function of which an output is a time derivative, if it is one but for a constant.
+pub fn function_of(reduced: &Reduced, output: &Output) -> Option<usize> {
+    match *output {
+        Output::Angle { body, .. } => reduced.linkage().bodies[body].angle_coordinate,
+        Output::JointPosition { coordinate, .. } => Some(coordinate),
+        Output::Marker { marker, axis, .. } => Some(reduced.marker_function(marker, axis)),
+        _ => None,
     }
 }

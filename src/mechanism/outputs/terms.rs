@@ -3,9 +3,9 @@
 //! In: the reduced model, sigma, the sizes of the applied loads. Out: the terms of a group of joints on the present
 //! panels. It must not know the numbers in which they are read.
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::outputs::cache::{GroupReactions, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{GroupReactions, GroupRows, MOST_TERMS, PARTS, PresentLoads};
 use crate::mechanism::reduced::{PanelTable, Reduced, StateLoads};
-use crate::numerics::bundle::{ROW, Row, sum_rows};
+use crate::numerics::bundle::{ROW, Row};
 use crate::numerics::chebyshev::{NODES, Series};
 use crate::numerics::table::Unresolved;
 use std::ops::Range;
@@ -66,73 +66,67 @@ impl<'a> Causes<'a> {
         std::array::from_fn(|k| joints.clone().nth(k).map_or(0, |joint| parts_of(self.reduced, joint)))
     }
 
+    /// Find the applied loads that act under the present sizes, unless they are known.
+    #[inline]
+    pub fn find_acting(&self, loads: &mut PresentLoads) {
+        let PresentLoads { sizes, acting, knows_acting, .. } = loads;
+        if !std::mem::replace(knows_acting, true) {
+            let acts = |load: &usize| sizes[*load] != 0.0 && !self.decided().contains(load);
+            acting.clear();
+            acting.extend((0..self.reduced.components().sized).filter(acts));
+        }
+    }
+
     /// Take the polynomials of a group of joints at sigma for all but the loads that the state sizes, under the present
     /// sizes of the applied loads.
     #[cold]
     #[inline(never)]
     pub fn enter_given(&self, loads: &mut PresentLoads, group: usize) {
-        let decided = self.decided();
-        let PresentLoads { sizes, reactions, .. } = loads;
-        let sized = sizes[..self.reduced.components().sized].iter().copied().enumerate();
-        let acting = sized.filter(|(load, size)| *size != 0.0 && !decided.contains(load));
+        let PresentLoads { sizes, acting, reactions, .. } = loads;
         let reactions = &mut reactions[group];
         reactions.has_applied = true;
-        let is_kept =
-            || !reactions.kept.is_empty() && acting.clone().map(|(load, _)| load).eq(reactions.kept.iter().copied());
-        if !(reactions.given.holds(self.sigma) && is_kept()) {
-            return self.enter_panel(reactions, acting, group);
+        if reactions.kept.is_empty() || reactions.kept != *acting || !reactions.given.holds(self.sigma) {
+            self.enter_panel(reactions, (acting, sizes), group);
         }
-        let GroupReactions { parts, given, kept, units, .. } = reactions;
-        sum_rows(&mut given.rows[..*parts], kept.iter().map(|&load| sizes[load]), units);
     }
 
     /// [`Self::enter_given`] from the tables.
-    fn enter_panel(
-        &self,
-        reactions: &mut GroupReactions,
-        acting: impl Iterator<Item = (usize, f64)> + Clone,
-        group: usize,
-    ) {
-        /// Loads of which the reactions are kept.
-        const MOST_KEPT: usize = 8;
+    fn enter_panel(&self, reactions: &mut GroupReactions, (acting, sizes): (&[usize], &[f64]), group: usize) {
         let Self { reduced, sigma, .. } = *self;
         let joints = joints_of(reduced, group);
         let tables = self.tables(group, |joint| reduced.reaction(joint, sigma));
-        let most = joints.clone().map(|joint| parts_of(reduced, joint)).max().unwrap_or(0);
+        let most = joints.clone().map(|joint| parts_of(reduced, joint)).max().unwrap_or(1);
         let (lengths, columns) = (self.lengths(group), reduced.reaction_terms());
-        let GroupReactions { parts, given, kept, units, .. } = reactions;
-        let row = |panels: &[usize; ROW], part: usize, column: usize| {
-            Row::of(std::array::from_fn(|k| match tables[k] {
-                Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
-                _ => ZERO,
-            }))
-        };
+        let GroupReactions { parts, given, kept, .. } = reactions;
         *parts = most;
         if !given.holds(sigma) {
             given.enter(&tables[..joints.len()], sigma);
-            given.rows.resize(most, Row::ZERO);
-            for column in self.given_columns() {
-                given.rows.extend((0..most).map(|part| row(&given.panels, part, column)));
-            }
         }
+        let GroupRows { panels, rows, .. } = given;
+        let functions = |part: usize, column: usize| -> [&Series; ROW] {
+            std::array::from_fn(|k| match tables[k] {
+                Some(PanelTable { table, .. }) if part < lengths[k] => table.series(panels[k], part * columns + column),
+                _ => ZERO,
+            })
+        };
+        let (own, summed) = if acting.len() <= MOST_TERMS { (acting, &[][..]) } else { (&[][..], acting) };
+        let (terms, most_own) = (self.given_columns(), MOST_TERMS.min(reduced.components().sized));
+        let first = most * terms.clone().count();
         kept.clear();
-        units.clear();
-        let keeps = acting.clone().count() <= MOST_KEPT;
-        let most_kept = reduced.components().sized.min(MOST_KEPT);
-        kept.reserve_exact(most_kept);
-        units.reserve_exact(most_kept * most);
-        if keeps {
-            kept.extend(acting.clone().map(|(load, _)| load));
-            for &load in kept.iter() {
-                units.extend((0..most).map(|part| row(&given.panels, part, 2 + load)));
-            }
-            return sum_rows(&mut given.rows[..most], acting.map(|(_, size)| size), units);
+        kept.reserve_exact(most_own);
+        kept.extend_from_slice(own);
+        rows.reserve_exact((first + most * most_own).saturating_sub(rows.len()));
+        rows.resize(first + most * own.len(), Row::ZERO);
+        let terms = terms.chain(own.iter().map(|load| 2 + load));
+        for (column, rows) in terms.zip(rows.chunks_exact_mut(most)) {
+            rows.iter_mut().enumerate().for_each(|(part, row)| row.set(functions(part, column)));
         }
-        given.rows[..most].fill(Row::ZERO);
-        for (load, size) in acting {
-            for (part, sum) in given.rows[..most].iter_mut().enumerate() {
-                sum.add(size, &row(&given.panels, part, 2 + load));
-            }
+        if !summed.is_empty() {
+            rows.resize(first + most, Row::ZERO);
+        }
+        for load in summed {
+            let sums = rows[first..].iter_mut().enumerate();
+            sums.for_each(|(part, sum)| sum.add(sizes[*load], &Row::of(functions(part, 2 + load))));
         }
     }
 
@@ -149,6 +143,7 @@ impl<'a> Causes<'a> {
         let (columns, first) = (reduced.loading().loads.len() - base, 2 + base);
         let GroupReactions { parts, state, air: of_air, .. } = &mut loads.reactions[group];
         state.enter(&tables[..joints.len()], sigma);
+        state.rows.clear();
         for column in own {
             for part in 0..*parts {
                 let series = |k: usize| match tables[k] {

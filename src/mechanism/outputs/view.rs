@@ -3,6 +3,7 @@
 //! In: the state, the inputs, the tables. Out: [`Kinematics`], forces and accelerations. It must not know which output
 //! asks.
 use crate::hydraulics::network::outputs as network;
+use crate::mechanism::definition::ControlState;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
@@ -104,7 +105,7 @@ impl<'a, N: Reading> View<'a, N> {
         if state_loads.is_some() {
             self.cache.forces = None;
         }
-        let integrals = state.memory.integrals().map(|_| self.integrals());
+        let controllers = self.controllers();
         let OutputCache { scratch, direction, .. } = &mut *self.cache;
         if state_loads.is_some_and(|s| s.air) != scratch.air {
             *scratch = Scratch::new(state_loads);
@@ -128,10 +129,11 @@ impl<'a, N: Reading> View<'a, N> {
                 scratch.set_pressures(cylinder, [of(first), of(first + 1)]);
             }
         }
-        for (k, value) in integrals.into_iter().flatten().enumerate() {
-            scratch.set_integral(k, value);
+        if controllers.is_some() {
+            scratch.set_controllers(controllers);
         }
-        scratch.panel_force.on_stretch(reduced.stretch);
+        let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
+        scratch.panel_force.share(of_step, reduced.stretch, state.sigma);
         let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
         Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
     }
@@ -220,7 +222,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
         let (reduced, sigma) = (self.reduced, self.sigma());
         if order == 1 && load >= reduced.loading().drives.len() {
-            let (table, position) = reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+            let (table, position) = self.displacement_table(load)?;
             return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
         }
         if order > 0 {
@@ -247,7 +249,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline(always)]
     fn marker(&mut self, marker: usize, axis: usize, order: usize) -> Result<N, OutputError> {
-        self.time_derivative(self.reduced.linkage().coordinates.len() + 2 * marker + axis, order)
+        self.time_derivative(self.reduced.marker_function(marker, axis), order)
     }
 
     fn origin(&mut self, body: usize, axis: usize) -> Result<N, OutputError> {
@@ -268,8 +270,8 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     #[inline(always)]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
         match self.cache.reactions[joint] {
-            Some(value) => Ok(value),
-            None => self.find_reaction(joint),
+            (version, value) if version == self.cache.version => Ok(value),
+            _ => self.find_reaction(joint),
         }
     }
 
@@ -289,11 +291,11 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(self.size(drive));
         }
         let speed = self.displacement(drive, 1)?;
-        Ok(self.acting(drive, speed)?[0])
+        Ok(self.acting(drive, speed)?.force)
     }
 
-    fn integral(&mut self, drive: usize, order: usize) -> Result<N, OutputError> {
-        self.integral_of(drive, order)
+    fn controller(&mut self, drive: usize, state: ControlState, order: usize) -> Result<N, OutputError> {
+        self.controller_of(drive, state, order)
     }
 
     #[inline]
@@ -312,7 +314,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
             return Ok(N::constant(0.0));
         }
         let load = self.reduced.loading().stops[stop].load;
-        let (table, position) = self.reduced.displacement_near(load, self.state.sigma, self.cache.panel)?;
+        let (table, position) = self.displacement_table(load)?;
         let slope = self.before_derivative(table, position, 1);
         Ok(finite(-free / slope))
     }

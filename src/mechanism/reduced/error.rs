@@ -98,11 +98,12 @@ impl fmt::Display for ReductionError {
                     f,
                     "{name} = {value}{unit} cannot be reached: the linkage moves from {low}{unit} to {high}{unit}"
                 )?;
-                let is_meant = unit == " rad" && (low.0..=high.0).contains(&value.0.to_radians());
-                if let Some(same) = turned {
-                    write!(f, "; {}{unit} is the same position: write this value", Decimal::rounded(*same))?;
-                }
-                f.write_str(&if is_meant { if_degrees(value.0) } else { String::new() })
+                let is_angle = unit == " rad" && (low.0..=high.0).contains(&value.0.to_radians());
+                let degrees = if is_angle { if_degrees(value.0) } else { String::new() };
+                f.write_str(&degrees)?;
+                let Some(same) = turned else { return Ok(()) };
+                write!(f, "; {}{unit} is the same position", Decimal::rounded(*same))?;
+                f.write_str(if degrees.is_empty() { ": write this value" } else { "" })
             }
             Self::Rigid { name, value, held, moving } => {
                 let unit = unit_of(name);
@@ -144,7 +145,10 @@ pub fn if_degrees(angle: f64) -> String {
         return String::new();
     }
     let [degrees, radians] = [angle, angle.to_radians()].map(Decimal::rounded);
-    format!("; if you mean {degrees} degrees, write {radians} rad in the file, or {degrees}deg after --start-values")
+    format!(
+        "; if you mean {degrees} degrees, write {degrees}deg after --start-values, or {radians} rad in a file whose \
+         angles are in rad"
+    )
 }
 
 impl ReductionError {

@@ -25,7 +25,16 @@ impl Reduced {
     ///
     /// # Errors
     /// [`Unresolved`].
+    #[inline(always)]
     pub fn displacement(&self, index: usize) -> Result<&Table, &Unresolved> {
+        match self.tables.displacements[index].get() {
+            Some(table) => table.as_ref(),
+            None => self.tabulate_displacement(index),
+        }
+    }
+
+    #[cold]
+    fn tabulate_displacement(&self, index: usize) -> Result<&Table, &Unresolved> {
         let table = || {
             let size = self.source.derivative_sizes(self.source.displacement_size(index)).to_vec();
             let (linkage, load) = (self.linkage(), &self.loading().loads[index]);
@@ -78,10 +87,20 @@ impl Reduced {
     /// A load's displacement at sigma: from its table, or from the exact evaluator if the ends of an actuator come so
     /// close that no table resolves the second derivative. The search starts at a panel and its neighbours.
     #[inline]
-    pub fn displacement_at(&self, load: usize, sigma: f64, panel: usize) -> f64 {
+    pub fn displacement_at(&self, load: usize, sigma: f64, mut panel: usize) -> f64 {
+        self.displacement_from(load, sigma, &mut panel)
+    }
+
+    /// [`Self::displacement_at`]; the panel becomes the one that holds sigma.
+    #[inline]
+    pub fn displacement_from(&self, load: usize, sigma: f64, panel: &mut usize) -> f64 {
         let stretch = self.at(sigma);
         match stretch.displacement(load) {
-            Ok(table) => table.value(table.position_near(sigma, panel), 0),
+            Ok(table) => {
+                let position = table.position_near(sigma, *panel);
+                *panel = position.panel;
+                table.value(position, 0)
+            }
             Err(_) => self.loading().loads[load].displacement(self.linkage(), &stretch.curve().configuration(sigma))[0],
         }
     }
@@ -97,6 +116,12 @@ impl Reduced {
     /// Number of coordinates, and of x and y of the markers: functions whose tables have their two derivatives.
     pub fn functions(&self) -> usize {
         self.linkage().coordinates.len() + 2 * self.markers.len()
+    }
+
+    /// Index among these functions of x (axis 0) or y (axis 1) of a marker.
+    #[inline(always)]
+    pub fn marker_function(&self, marker: usize, axis: usize) -> usize {
+        self.linkage().coordinates.len() + 2 * marker + axis
     }
 
     /// x of the origin of a body of the linkage with its two derivatives along sigma, then y.
@@ -126,7 +151,8 @@ impl Reduced {
         let c = self.curve().configuration(sigma);
         let columns = columns(&self.curve().closure, &c, &[]);
         let joints = self.loading().friction.iter().flat_map(|friction| &friction.friction_joints);
-        let joints = joints.filter(|joint| !matches!(joint.kind, FrictionKind::Constant(_)));
+        let is_constant = |joint: &FrictionJoint| matches!(joint.kind, FrictionKind::Constant(_));
+        let joints = joints.filter(|own| own.joint < self.linkage().joints.len() && !is_constant(own));
         let weight = |joint: &FrictionJoint| {
             let slip = self.loading().loads[joint.load].influence(self.linkage(), &c).abs();
             joint.law.static_coefficient * joint.radius * slip * columns[0][joint.joint].force.norm()

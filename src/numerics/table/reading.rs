@@ -2,7 +2,8 @@
 //!
 //! In: a table, sigma. Out: positions and values, without allocation or lock. Must not know: how a table is built.
 use super::{Table, TablePosition, polynomial};
-use crate::numerics::chebyshev::{Series, polynomial_and_slope, polynomials};
+use crate::numerics::chebyshev::{NODES, Series, polynomial_and_others, polynomial_and_slope, polynomials};
+use crate::numerics::processor::Arithmetic;
 
 impl Table {
     /// Number of panels.
@@ -86,8 +87,20 @@ impl Table {
     /// processors differ by rounding errors.
     #[inline(always)]
     pub fn values<const K: usize>(&self, at: TablePosition, first: usize) -> [f64; K] {
-        let series = self.coefficients[at.panel * self.components + first..].first_chunk();
-        series.map_or([f64::NAN; K], |series| polynomials(series, at.x))
+        polynomials(self.successive(at.panel, first), at.x)
+    }
+
+    /// Value of a component at a position, as [`Self::value`], and values of the next components, as [`Self::values`].
+    #[inline(always)]
+    pub fn value_and_next<A: Arithmetic, const K: usize>(&self, at: TablePosition, first: usize) -> [f64; K] {
+        polynomial_and_others::<A, K>(self.successive(at.panel, first), at.x)
+    }
+
+    /// Monomial coefficients of successive components on one panel.
+    #[inline(always)]
+    fn successive<const K: usize>(&self, panel: usize, first: usize) -> &[Series; K] {
+        let series = self.coefficients[panel * self.components + first..].first_chunk();
+        series.unwrap_or(const { &[[f64::NAN; NODES]; K] })
     }
 
     /// Value of a component at a position, and its derivative along sigma.

@@ -9,6 +9,8 @@ const INTEGRATING: &str = include_str!("../../fixtures/integrating_drive.json");
 /// A slider-crank that turns against constant friction in its slide and at the wrist, with friction that reactions
 /// cause if it is enabled.
 const TURNING: &str = include_str!("../../fixtures/turning_friction.json");
+/// Gears with a pressure angle on pins with friction, with a spring.
+const TEETH: &str = include_str!("../../fixtures/rubbing_teeth.json");
 /// A crank whose coupler runs in a curved track, held by a detent, with a drive with losses between two bodies.
 const TRACK: &str = include_str!("../../fixtures/track_with_detent.json");
 
@@ -83,6 +85,30 @@ fn friction_changes_its_direction_at_an_event() {
     }
 }
 
+/// The teeth of gears press shafts onto pins with friction. The other flanks bear where the force between the teeth
+/// passes 0, which is an event.
+#[test]
+fn teeth_change_flanks_at_an_event() {
+    let fmu = started(TEETH);
+    let mut run = Simulation::open(TEETH).unwrap();
+    run.initialize().unwrap();
+    let mut changed = 0;
+    for k in 1..=8 {
+        let before = fmu.get(["mesh.transmitted_force"])[0];
+        let count = integrate(&fmu, 0.01, 1e-4).len();
+        run.step(0.01).unwrap();
+        let values = fmu.get(["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"]);
+        let exact = ["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"];
+        for (value, exact) in values.into_iter().zip(exact.map(|name| run.get(name).unwrap())) {
+            assert!((value - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{k}: {value} {exact}");
+        }
+        let changes = before * values[2] < 0.0;
+        assert!(!changes || count > 0, "{k}: {count} events");
+        changed += u32::from(changes);
+    }
+    assert!(changed > 0);
+}
+
 /// A block on which static friction acts, with a controller that has an integral part and a limit of its force: the
 /// integral part is a state, the block breaks away and sticks at events, and the motion is that of co-simulation.
 #[test]
@@ -131,4 +157,41 @@ fn an_integral_part_is_exchanged() {
     let mut y = present(&fmu);
     y[2] = f64::NAN;
     assert_eq!((fmu.set_states(&y), fmu.set_states(&y[..2])), (Status::Discard, Status::Error));
+}
+
+/// The same block, whose force follows that of the controller at a limited rate: the force is a state and an output.
+/// The block breaks away at an event, and the rate leaves its limit and comes to the other one at events.
+#[test]
+fn a_delayed_force_is_exchanged() {
+    let delay = "\"integral_gain\": 400, \"force_time_constant\": 0.02, \"max_force_rate\": 70, \"start_force\": 0,";
+    let text = INTEGRATING.replace("\"integral_gain\": 400,", delay).replace("-0.1", "0.3");
+    let fmu = started(&text);
+    let mut run = Simulation::open(&text).unwrap();
+    run.initialize().unwrap();
+    let names =
+        ["slide.position", "slide.speed", "motor.integral_force", "motor.acting_force", "motor.acting_force_rate"];
+    let (mut limited, mut stuck, mut events, mut slopes) = ([0; 2], 0, 0, 0);
+    for k in 1..=15 {
+        events += integrate(&fmu, 0.05, 5e-5).len();
+        run.step(0.05).unwrap();
+        let (values, exact) = (fmu.get(names), names.map(|name| run.get(name).unwrap()));
+        for (value, exact) in values.into_iter().zip(exact) {
+            assert!((value - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{k}: {values:?} {exact}");
+        }
+        assert_eq!(present(&fmu)[2..], values[2..4]);
+        stuck += usize::from(values[1] == 0.0);
+        let is_limited = values[4].abs() == 70.0;
+        limited[usize::from(values[4] > 0.0)] += usize::from(is_limited);
+        if values[1] != 0.0 && !is_limited {
+            slopes += 1;
+            let all = fmu.vrs(["along_curve.acceleration", "motor.acting_force_rate", "motor.acting_force"]);
+            let mut found = [f64::NAN; 3];
+            assert_eq!(fmu.derivative(false, &all, &all[2..], &[1.0], &mut found), Status::Ok);
+            for (slope, exact) in found.into_iter().zip([0.5_f64.sqrt(), -50.0, 1.0]) {
+                assert!((slope - exact).abs() < 1e-10, "{slope} {exact}");
+            }
+        }
+    }
+    assert!(limited.into_iter().all(|count| count > 0) && stuck > 0 && slopes > 0, "{limited:?} {stuck} {slopes}");
+    assert!(events > 2, "{events} events");
 }

@@ -11,15 +11,17 @@ impl Draft<'_> {
         let scene = self.scene;
         for met in stops {
             let stop = &scene.stops[met.stop];
-            let of_joint = || Some(scene.joints.get(stop.joint?)?.second.frame);
-            let moving = |ends: [On; 2]| ends.iter().rev().map(|on| on.frame).find(|frame| *frame != 0);
-            let between = stop.ends.or(stop.bodies);
-            let Some(moved) = stop.frame.or_else(|| between.and_then(moving)).or_else(of_joint) else { continue };
+            let frames = |ends: [On; 2]| ends.map(|on| on.frame);
+            let one = |frame: usize| [frame; 2];
+            let of_points = stop.ends.map(frames).map(|[first, second]| one(if second == 0 { first } else { second }));
+            let of_joint = || Some(one(scene.joints.get(stop.joint?)?.second.frame));
+            let stated = stop.frame.map(one).or(stop.bodies.map(frames)).or(of_points);
+            let Some(moved) = stated.or_else(of_joint) else { continue };
             let mut far: Option<(f64, Point)> = None;
-            for body in scene.bodies.iter().filter(|body| frame(body) == moved && moved != 0) {
+            for body in scene.bodies.iter().filter(|body| frame(body) != 0 && moved.contains(&frame(body))) {
                 let at = |on: On| self.pixel(position(&met.poses, on));
                 let corners = hull(body.points.iter().map(|point| at(point.on)).collect(), LEAST);
-                let origin = at(On { frame: moved, at: [0.0, 0.0] });
+                let origin = at(On { frame: frame(body), at: [0.0, 0.0] });
                 for corner in &corners {
                     let distance = (corner[0] - origin[0]).hypot(corner[1] - origin[1]);
                     if far.is_none_or(|(most, _)| distance > most) {

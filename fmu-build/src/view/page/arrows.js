@@ -101,7 +101,7 @@ class Arrows {
       force("load", connection.name, joint.second, [size], (poses, i) =>
         direct(poses, joint.first.frame, joint.axis).map((e) => sign * e * linear(size, i)));
     } else if (joint) {
-      torque("load", connection.name, joint.second, get(`${connection.name}.torque`));
+      torque("load", connection.name, joint.second, get(`${connection.name}.torque`)?.map((size) => sign * size));
     } else if (connection.bodies) {
       const sizes = get(`${connection.name}.torque`);
       connection.bodies.forEach((on, k) => {

@@ -99,6 +99,8 @@ class Connections {
   drawRings({ bodies, joint, name }, kind) {
     const at = bodies?.filter((on) => on.frame !== 0) ?? [this.scene.joints[joint].second];
     for (const on of at) this.drawRing(on, kind, name);
+    const middle = (poses) => this.drawing.at(place(poses, at[at.length - 1]));
+    this.drawing.labels.add(this.drawing.layers.names, "small", name, 2, (poses) => [...middle(poses), this.half + 9]);
   }
 
   drawRing(on, kind, name) {

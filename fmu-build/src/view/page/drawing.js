@@ -252,15 +252,15 @@ class Drawing {
     }
   }
 
-  /** The body at each reached stop as a dashed outline, and a padlock where a lock holds. */
+  /** The bodies at each reached stop as dashed outlines, and a padlock at the place of a lock. */
   drawStops() {
     for (const met of this.data.travel?.stops ?? []) {
       const stop = this.scene.stops[met.stop];
-      const ends = stop.ends ?? stop.bodies;
-      const frame = stop.frame ?? (ends ? ends[1].frame || ends[0].frame : this.scene.joints[stop.joint]?.second.frame);
+      const ends = stop.bodies ?? stop.ends?.filter((on) => on.frame).slice(-1);
+      const frames = ends?.map((on) => on.frame) ?? [stop.frame ?? this.scene.joints[stop.joint]?.second.frame];
       const group = element("g", { class: stop.rigid ? "ghost" : "ghost bumper", "data-stop": stop.name }, this.layers.ghosts);
       let [far, label] = [-1, [0, 0]];
-      for (const body of this.scene.bodies.filter((b) => b.points[0].frame === (frame || -1))) {
+      for (const body of this.scene.bodies.filter((b) => b.points[0].frame && frames.includes(b.points[0].frame))) {
         const corners = body.points.map((point) => this.at(place(met.poses, point)));
         const outer = hull(corners);
         if (outer.length === 1) element("circle", { cx: outer[0][0], cy: outer[0][1], r: 1.9 * this.half }, group);
@@ -279,8 +279,10 @@ class Drawing {
       this.moving.push((_, index) => {
         const isThere = index !== undefined && flag && linear(flag.samples, Math.round(index)) > 0.5;
         text.classList.toggle("reached", Boolean(isThere));
-        const holds = index !== undefined && engaged && linear(engaged.samples, Math.round(index)) > 0.5;
-        padlock?.classList.toggle("engaged", Boolean(holds));
+        const isEngaged = index !== undefined && engaged && linear(engaged.samples, Math.round(index)) > 0.5;
+        padlock?.classList.toggle("engaged", Boolean(isEngaged));
+        // An engaged lock with a release force need not hold.
+        padlock?.classList.toggle("holds", Boolean(isEngaged && isThere));
       });
     }
   }

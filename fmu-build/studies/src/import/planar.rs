@@ -94,6 +94,16 @@ pub fn identifier(wanted: &str, fallback: &str, taken: &[&str]) -> String {
     name
 }
 
+/// Replace each -0 by 0.
+fn without_negative_zeros(value: &mut Value) {
+    match value {
+        Value::Number(number) if number.as_f64() == Some(0.0) && number.is_f64() => *value = json!(0.0),
+        Value::Array(list) => list.iter_mut().for_each(without_negative_zeros),
+        Value::Object(object) => object.values_mut().for_each(without_negative_zeros),
+        _ => {}
+    }
+}
+
 /// Path of a number that is not finite, which JSON cannot represent.
 fn unnumbered(value: &Value) -> Option<String> {
     let within = |key: String, value: &Value| {
@@ -240,7 +250,13 @@ impl Linkage {
             let guess: Named<Value> = turning.chain(sliding).map(|name| (name.clone(), json!(0.0))).collect();
             parts.push(("guess".to_owned(), Part::Group(guess)));
         }
-        let parts: Named<Part> = parts.into_iter().collect();
+        let mut parts: Named<Part> = parts.into_iter().collect();
+        for (_, part) in parts.iter_mut() {
+            match part {
+                Part::One(value) => without_negative_zeros(value),
+                Part::Group(group) => group.iter_mut().for_each(|(_, value)| without_negative_zeros(value)),
+            }
+        }
         if let Some(key) = unnumbered(&serde_json::to_value(&parts)?) {
             bail!(
                 "{key} is not finite, because lengths, masses or forces of the file are too large; use larger units in \

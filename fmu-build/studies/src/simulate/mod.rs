@@ -10,7 +10,8 @@ use crate::plot::{self, Series};
 use crate::progress::Bar;
 use anyhow::{Context, Result, bail};
 use film::Film;
-use fmu_build::check::FileUnits;
+use fmu_build::check::{self, FileUnits};
+use fmu_build::files;
 use fmu_build::fmu::Definition;
 use fmu_build::run::column::{Column, columns};
 use fmu_build::run::csv::Csv;
@@ -23,7 +24,7 @@ use fmu_build::workspace::Workspace;
 use fmu_build::xml::ssv;
 pub use fmu_cli::Simulate as Arguments;
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::Unit;
+use linkage_fmu::variables::{Reference, Unit};
 use parquet::Parquet;
 use std::collections::BTreeMap;
 use std::io::IsTerminal;
@@ -36,6 +37,8 @@ pub enum Outcome {
     Complete,
     /// The user stopped the run. The recorded rows are written.
     Interrupted,
+    /// All runs of a study failed. The results with the reasons are written.
+    Failed,
 }
 
 /// Run the model and write the requested files.
@@ -44,10 +47,9 @@ pub enum Outcome {
 /// The path contains no definition; a name, a value or a signal is invalid; a step fails (the rows recorded before are
 /// written); a file cannot be written.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
-    check(arguments)?;
+    check_files(arguments)?;
     let definition = Definition::read(workspace, &arguments.path)?;
-    let mut model = Component::from_definition(definition.kind, &definition.text)
-        .with_context(|| format!("{}; `{} check` prints the details", definition.shown, workspace.program()))?;
+    let mut model = check::model(workspace, &definition)?;
     let units = FileUnits::stated(linkage_fmu::format::parse("definition", &definition.text).ok().as_ref());
     for finding in model.warnings() {
         eprintln!("warning: {}", units.converted(finding.clone()));
@@ -55,7 +57,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     if let Some(tolerance) = arguments.relative_tolerance {
         model.set_tolerance(tolerance).context("--relative-tolerance")?;
     }
-    set_start_values(&mut model, arguments)?;
+    let stated = set_start_values(&mut model, arguments)?;
     let Arguments { start_time, stop_time, output_interval, .. } = *arguments;
     let span = Span::new(model.experiment(), start_time, stop_time, output_interval)?;
     let signals = match &arguments.input_file {
@@ -64,11 +66,20 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
         }
         None => Signals::none(),
     };
+    if let Some(both) = signals.references().find(|reference| stated.contains(reference)) {
+        eprintln!(
+            "warning: --input-file replaces the value of {} in --start-values; remove one of the two",
+            model.interface().list()[both as usize].name
+        );
+    }
     let signals = signals.within(&span);
     if arguments.set_input_derivatives && model.input_order() == 0 {
         bail!("--set-input-derivatives: this model has no derivatives of inputs; remove this option");
     }
     let columns = with_axis(columns(model.interface(), &arguments.output_variables)?, &model, arguments)?;
+    for (option, path) in written(arguments) {
+        files::make_folder(files::folder_of(path), option)?;
+    }
     let mut film = arguments.gif.is_some().then(|| Film::new(&model)).transpose()?;
     let writer = arguments.output_file.as_deref().map(|path| writer(path, &columns)).transpose()?;
     let mut table = Table::new(columns, writer, arguments.plot.is_some());
@@ -100,20 +111,31 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<Outcome> {
     Ok(if ended.is_interrupted { Outcome::Interrupted } else { Outcome::Complete })
 }
 
-/// Set the start values: those of the command line replace those of the parameter set.
-fn set_start_values(model: &mut Component, arguments: &Arguments) -> Result<()> {
+/// Set the start values: those of the command line replace those of the parameter set. Returns the variables of the
+/// command line.
+fn set_start_values(model: &mut Component, arguments: &Arguments) -> Result<Vec<Reference>> {
     let mut values = BTreeMap::new();
     let mut options = "--start-values";
     if let Some(path) = &arguments.parameters {
         values.extend(ssv::read(path, model.interface()).context("--parameters")?);
         options = "--parameters and --start-values";
     }
-    values.extend(start_values::parse(model.interface(), &arguments.start_values)?);
-    start_values::apply_all(model, values.into_iter().collect()).context(options)
+    let own = start_values::parse(model.interface(), &arguments.start_values)?;
+    let stated = own.iter().map(|(reference, _)| *reference).collect();
+    values.extend(own);
+    start_values::apply_all(model, values.into_iter().collect()).context(options)?;
+    Ok(stated)
+}
+
+/// The output files, with their options.
+fn written(arguments: &Arguments) -> impl Iterator<Item = (&'static str, &PathBuf)> {
+    let Arguments { output_file, plot, gif, .. } = arguments;
+    let all = [("--output-file", output_file), ("--plot", plot), ("--gif", gif)];
+    all.into_iter().filter_map(|(option, path)| Some((option, path.as_ref()?)))
 }
 
 /// Check the names of the output files before the run.
-fn check(arguments: &Arguments) -> Result<()> {
+fn check_files(arguments: &Arguments) -> Result<()> {
     let Arguments { output_file, plot, gif, .. } = arguments;
     plot.as_deref().map_or(Ok(()), plot::check)?;
     gif.as_deref().map_or(Ok(()), film::check)?;
@@ -123,13 +145,10 @@ fn check(arguments: &Arguments) -> Result<()> {
         ("--parameters", arguments.parameters.as_ref()),
         ("--input-file", arguments.input_file.as_ref()),
     ];
-    for path in [output_file, plot, gif].into_iter().flatten() {
+    for (_, path) in written(arguments) {
         let is_same = |other: &PathBuf| matches!((path.canonicalize(), other.canonicalize()), (Ok(a), Ok(b)) if a == b);
         if let Some((what, _)) = read.iter().find(|(_, other)| other.is_some_and(is_same)) {
             bail!("{}: this is {what}; give another path for the output", path.display());
-        }
-        if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty() && !folder.is_dir()) {
-            bail!("{}: the folder {} does not exist; create it first", path.display(), folder.display());
         }
     }
     Ok(())
@@ -178,11 +197,10 @@ fn extension(path: &Path) -> String {
 /// Results of the run in a few lines.
 fn summarize(arguments: &Arguments, recorded: &Recorded, ended: &Ended, elapsed: f64) {
     eprintln!("{} steps to {:?} s, computed in {elapsed:.3} s", ended.steps, ended.time);
-    let files = [&arguments.output_file, &arguments.plot, &arguments.gif];
-    for path in files.into_iter().flatten() {
+    for (_, path) in written(arguments) {
         eprintln!("{}", path.display());
     }
-    if files.iter().all(|file| file.is_none()) {
+    if written(arguments).next().is_none() {
         // Without a file the last row is printed.
         for (column, value) in recorded.columns.iter().zip(&recorded.last) {
             println!("{}\t{value:?}\t{}", column.name, column.unit.map_or("", |unit| unit.name()));

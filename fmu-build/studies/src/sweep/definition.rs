@@ -6,6 +6,7 @@
 use anyhow::{Context, Result};
 use fmu_build::files;
 pub use fmu_build::setting::Setting;
+use fmu_build::source::check_content;
 use linkage_fmu::format::{
     self, DefinitionError, Field, Json, Key, Kind, LARGEST_DEFINITION, Named, Node, Own, Slot, keys, words,
 };
@@ -224,6 +225,7 @@ impl Definition {
         let text = String::from_utf8(bytes)
             .ok()
             .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
+        check_content("study", &text).with_context(|| format!("{shown}"))?;
         let study = Self::from_json(&text).with_context(|| format!("{shown}"))?;
         Ok((study, text))
     }

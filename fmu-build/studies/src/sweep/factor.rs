@@ -2,9 +2,10 @@
 
 use super::definition::Setting;
 use anyhow::{Context, Result, bail};
-use fmu_build::start_values::find;
+use fmu_build::setting::words;
+use fmu_build::start_values::{self, find};
 use linkage_fmu::component::Component;
-use linkage_fmu::variables::{Causality, Kind, Reference, Unit};
+use linkage_fmu::variables::{Causality, Kind, Reference, Unit, nearest};
 
 /// Source of the values of a factor.
 #[derive(Clone, Debug)]
@@ -63,7 +64,12 @@ pub fn settable(key: &str, name: &str, remedy: &str, model: &Component) -> Resul
             model.check_real(reference, 0.0).with_context(|| key.to_owned())?;
             bail!("{key}: {name} is calculated from other parameters; {remedy}")
         }
-        _ => bail!("{key}: {name} is a variable of causality {}; {remedy}", causality.word().to_lowercase()),
+        _ => {
+            let settable = model.interface().list().iter();
+            let settable = settable.filter(|v| matches!(v.causality, Causality::Parameter | Causality::Input));
+            let nearest = nearest(settable.map(|variable| variable.name.as_str()), name).join(", ");
+            bail!("{key}: {name} is an output; {remedy}; similar parameters and inputs are {nearest}")
+        }
     }
 }
 
@@ -82,8 +88,7 @@ pub fn coded(value: &Setting, factor: &mut Factor) -> Result<f64> {
                 factor.texts.len() - 1
             }) as f64)
         }
-        (kind, value) => {
-            bail!("the value of {} must be a {}, but {value} is not of this type", factor.name, kind.word())
-        }
+        (Kind::Real, Setting::Text(text)) => start_values::number(&factor.name, factor.unit, text),
+        (kind, value) => bail!("{} must be {}, not {value}", factor.name, words(kind)),
     }
 }

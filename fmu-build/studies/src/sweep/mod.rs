@@ -38,6 +38,7 @@ use cluster::Workers;
 use definition::Definition;
 use design::Design;
 use factor::Factor;
+use fmu_build::check;
 use fmu_build::files;
 use fmu_build::fmu;
 use fmu_build::workspace::Workspace;
@@ -86,7 +87,8 @@ struct Study {
 /// Make the runs of a study and write their results.
 ///
 /// # Errors
-/// A fault of the study; the mechanism gives no model; a file cannot be written. A failed run is no error.
+/// A fault of the study; the mechanism gives no model; a file cannot be written. A failed run is no error: the result
+/// states whether all runs failed.
 pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -> Result<Outcome> {
     let study = Study::read(workspace, &arguments.study)?;
     let columns = results::columns(&study.task)?;
@@ -105,10 +107,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
         }
         Ok(())
     };
-    if arguments.resume && is_complete(&out, &identity, arguments.csv) {
+    if let Some(summary) = complete(&out, &identity, arguments.csv).filter(|_| arguments.resume) {
         eprintln!("{}: the results of all {} runs already exist", out.join(PARQUET).display(), study.design.runs());
         draw()?;
-        return Ok(Outcome::Complete);
+        return Ok(summary.outcome());
     }
     let component = || Ok(Component::from_definition(study.model.kind, &study.model.text)?);
     if let Some(warning) = study.design.far_from_definition(&mut component()?) {
@@ -138,7 +140,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     }
     let csv = arguments.csv.then(|| out.join(CSV));
     let seed = study.definition.sampling.map(|sampling| sampling.seed);
-    let Unusual { failed, remarked, first } =
+    let Unusual { failed, reason, others, remarked, first } =
         results::write(&mut journal, &study.cut, (&columns, seed), &out.join(PARQUET), csv.as_deref()).with_context(
             || format!("{}: all runs are complete; --resume writes the results", out.join(JOURNAL).display()),
         )?;
@@ -147,6 +149,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     journal.remove()?;
     let made = runs_of(chunks) - runs_of(before);
     eprintln!("{made} runs in {seconds:.3} s, {failed} of {} failed", study.design.runs());
+    if failed > 0 {
+        let others = if others > 0 { format!(" ({others} failed runs have other reasons)") } else { String::new() };
+        eprintln!("warning: the first failed run: {reason}{others}");
+    }
     if remarked > 0 {
         let runs = study.design.runs();
         eprintln!(
@@ -157,7 +163,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments, watch: Option<Watch>) -
     eprintln!("{}", out.join(PARQUET).display());
     csv.iter().for_each(|path| eprintln!("{}", path.display()));
     draw()?;
-    Ok(Outcome::Complete)
+    Ok(summary.outcome())
 }
 
 /// Make the missing chunks.
@@ -202,12 +208,18 @@ fn make(
     pool::run(threads, (task, design, cut), by_energy.as_ref(), &make_model, missing.into_iter(), stop_wish(), keep)
 }
 
-/// Whether the folder has the results of this study.
-fn is_complete(out: &Path, identity: &str, with_csv: bool) -> bool {
-    let summary = fs::read(out.join(SUMMARY)).ok().and_then(|text| serde_json::from_slice::<Summary>(&text).ok());
+/// The summary of this study if the folder has its results.
+fn complete(out: &Path, identity: &str, with_csv: bool) -> Option<Summary> {
+    let summary: Summary = serde_json::from_slice(&fs::read(out.join(SUMMARY)).ok()?).ok()?;
     let has_files =
         out.join(PARQUET).is_file() && (!with_csv || out.join(CSV).is_file()) && !out.join(JOURNAL).exists();
-    has_files && summary.is_some_and(|summary| summary.identity == identity)
+    (has_files && summary.identity == identity).then_some(summary)
+}
+
+impl Summary {
+    fn outcome(&self) -> Outcome {
+        if self.failed == self.runs { Outcome::Failed } else { Outcome::Complete }
+    }
 }
 
 impl Study {
@@ -253,9 +265,7 @@ impl Stated {
         let shown = path.display();
         let mechanism = folder.join(&definition.mechanism);
         let model = fmu::Definition::read(workspace, &mechanism).with_context(|| format!("{shown}: mechanism"))?;
-        let component = Component::from_definition(model.kind, &model.text).with_context(|| {
-            format!("{shown}: mechanism: {}; `{} check` prints the details", model.shown, workspace.program())
-        })?;
+        let component = check::model(workspace, &model).with_context(|| format!("{shown}: mechanism"))?;
         for finding in component.warnings() {
             eprintln!("warning: {finding}");
         }

@@ -142,6 +142,7 @@ impl Responses {
         if times.is_some() != (kind == "course") {
             bail!("{key}: give the keys course and times together; times lists the instants of the time series");
         }
+        let met = (kind == "event").then(|| event(&key, variable, model)).transpose()?;
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
         let of = &model.interface().list()[reference as usize];
         if matches!(of.kind, Kind::Enumeration) {
@@ -152,9 +153,8 @@ impl Responses {
         }
         let unit = of.unit.map_or("", Unit::name);
         let mut names = vec![(name.to_owned(), unit.to_owned())];
-        let measure = match kind {
-            "event" => {
-                let event = event(&key, variable, model)?;
+        let measure = match (kind, met) {
+            (_, Some(event)) => {
                 let known = self.events.iter().position(|other| *other == event);
                 if known.is_none() {
                     self.events.push(event);
@@ -162,16 +162,16 @@ impl Responses {
                 names[0].1 = Unit::Second.name().to_owned();
                 Measure::Event(known.unwrap_or(self.events.len() - 1))
             }
-            "final" => Measure::Final,
-            "maximum" | "minimum" => {
+            ("final", _) => Measure::Final,
+            ("maximum" | "minimum", _) => {
                 names.push((format!("{name}.time"), Unit::Second.name().to_owned()));
                 Measure::Extreme(if kind == "maximum" { 1.0 } else { -1.0 })
             }
-            "integral" => {
+            ("integral", _) => {
                 names[0].1 = if matches!(unit, "" | "1") { "s".to_owned() } else { format!("{unit}.s") };
                 Measure::Integral
             }
-            "root_mean_square" => Measure::RootMeanSquare,
+            ("root_mean_square", _) => Measure::RootMeanSquare,
             _ => {
                 let times = times.clone().unwrap_or_default();
                 if let Some(late) = times.iter().find(|time| **time > scenario.stop()) {

@@ -43,6 +43,10 @@ pub fn columns(task: &Task) -> Result<Vec<Column>> {
 pub struct Unusual {
     /// Runs that failed.
     pub failed: u64,
+    /// Reason of the first failure.
+    pub reason: String,
+    /// Failed runs with another reason.
+    pub others: u64,
     /// Number of other runs with a remark, such as an event that did not happen.
     pub remarked: u64,
     /// The first such remark.
@@ -52,7 +56,13 @@ pub struct Unusual {
 impl Unusual {
     /// Count a run with this remark.
     fn count(&mut self, remark: &Remark) {
-        self.failed += u64::from(remark.is_failure);
+        if remark.is_failure {
+            self.failed += 1;
+            if self.failed == 1 {
+                self.reason = remark.text.to_owned();
+            }
+            self.others += u64::from(self.reason != remark.text);
+        }
         if !remark.is_failure && !remark.text.is_empty() {
             self.remarked += 1;
             if self.remarked == 1 {

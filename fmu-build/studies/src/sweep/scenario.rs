@@ -195,8 +195,8 @@ pub fn event(key: &str, flag: &str, model: &Component) -> Result<Event> {
     if let Some((own, _)) = flags.iter().find(|(own, stop)| *stop == flag && *own != flag) {
         bail!("{key} = \"{flag}\": the name of the flag variable of this stop is {own}; write {own}");
     }
-    let reference = find(interface, flag).with_context(|| key.to_owned())?;
-    let Some([count, time]) = model.impacts_of(reference) else {
+    let found = interface.find(flag).and_then(|reference| Some((reference, model.impacts_of(reference)?)));
+    let Some((reference, [count, time])) = found else {
         let flags: Vec<&str> = flags.into_iter().map(|(flag, _)| flag).collect();
         let remedy = match flags.as_slice() {
             [] => "this mechanism has no stop".to_owned(),

@@ -135,7 +135,7 @@ fn elements_without_a_counterpart_are_rejected() {
         ("", r#"<tendon><fixed name="f"/></tendon>"#, &["<fixed \"f\">", "several joints"]),
         ("", r#"<tendon><spatial><site site="s"/><site site="t"/><site site="s"/></spatial></tendon>"#, &["two sites"]),
         ("", r#"<actuator><position joint="j" dampratio="1"/></actuator>"#, &["dampratio", "write kv"]),
-        ("", r#"<actuator><general joint="j" biastype="affine" biasprm="0 1"/></actuator>"#, &["signs of its bias"]),
+        ("", r#"<actuator><general joint="j" biastype="affine" biasprm="0 1"/></actuator>"#, &["signs of the bias"]),
         ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "an element motor"]),
         ("", "<worldbody><replicate/></worldbody>", &["<replicate>", "mj_saveLastXML"]),
         ("", r#"<include file="other.xml"/>"#, &["<include>", "other.xml"]),

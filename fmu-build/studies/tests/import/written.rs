@@ -223,6 +223,9 @@ fn file_of_mujoco() {
 #[test]
 fn file_of_xacro() {
     let text = include_str!("files/boom.urdf");
+    // An axis in the other direction changes the sign of the torque, which is 0.
+    let reversed = import(Form::Urdf, "Imported", &text.replace("0 -1 0", "0 1 0")).unwrap().definition;
+    assert!(reversed.contains("\"torque\": 0.0"), "{reversed}");
     let mut simulation = Simulation::open(&import(Form::Urdf, "Imported", text).unwrap().definition).unwrap();
     simulation.set("shoulder_drive.torque", 12.0).unwrap();
     simulation.initialize().unwrap();

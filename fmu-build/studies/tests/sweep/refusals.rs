@@ -25,14 +25,18 @@ fn wrong_studies_are_rejected_in_one_line() {
     for (study, said) in [
         (with("mechanism", json!("no/such")), "mechanism: "),
         (with("factors", json!({ "crank.mas": { "values": [1] } })), "factors.crank.mas: there is no variable"),
-        (with("factors", json!({ "crank.angle": { "values": [1] } })), "a factor must be a parameter or an input"),
+        (
+            with("factors", json!({ "crank.angle": { "values": [1] } })),
+            "crank.angle is an output; a factor must be a parameter or an input; similar parameters and inputs are",
+        ),
         (with("factors", json!({ "crank.mass": {} })), "give exactly one of values, range, uniform and normal"),
         (with("factors", json!({ "crank.mass": { "range": [1, 2] } })), "factors.crank.mass.steps: is missing"),
         (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: is empty"),
         (
             with("factors", json!({ "crank.mass": { "values": [true] } })),
-            "values[0]: the value of crank.mass must be a Real, but true is not of this type",
+            "values[0]: crank.mass must be a number, not true",
         ),
+        (with("factors", json!({ "crank.mass": { "values": ["3 m"] } })), "values[0]: the unit of crank.mass is kg"),
         (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: is missing"),
         (
             with("factors", json!({ "crank.mass": { "normal": { "mean": 1, "standard_deviation": 0 } } })),
@@ -79,10 +83,12 @@ fn wrong_studies_are_rejected_in_one_line() {
         (with("start_values", json!({ "crank.mass": -1 })), "start values: crank.mass = -1"),
         (
             with("start_values", json!({ "friction.enabled": 1 })),
-            "start_values.friction.enabled: friction.enabled must be a Boolean, not 1",
+            "start_values.friction.enabled: friction.enabled must be true or false, not 1",
         ),
         (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
         (response(json!({ "event": "crank.angle" })), "an event must be the flag variable of a stop"),
+        (response(json!({ "event": "upstop" })), "the flag variable of this stop is retracted; write retracted"),
+        (with("scenario", json!({ "stop_at": "up" })), "the flag variables of this mechanism are retracted, extended"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
         (response(json!({ "course": "crank.angle" })), "give the keys course and times together"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),

@@ -1,7 +1,10 @@
 //! Contents of a row: bits of `cargo fmu simulate`, times of events, failures.
 
 use crate::support::{Folder, simulated, simulated_of};
+use fmu_build::output;
 use fmu_build::workspace::Workspace;
+use fmu_studies::simulate::Outcome;
+use fmu_studies::sweep::{self, Arguments};
 use serde_json::json;
 use std::fs;
 
@@ -205,6 +208,21 @@ fn a_failed_run_is_a_row() {
     }
     // A run after failed runs equals a single run.
     assert_eq!(rows.text(0, "angle"), rows.text(12, "angle"));
+    // A study without any result has failed, also when it is resumed.
+    let study = folder.study(
+        "none.json",
+        json!({
+            "factors": { "crank.length": { "values": [-1, -2] } }, "responses": { "angle": { "final": "crank.angle" } },
+        }),
+    );
+    for resume in [false, true] {
+        let (study, out) = (study.clone(), Some(folder.0.join("none")));
+        let arguments = Arguments { study, out, resume, ..Default::default() };
+        let (outcome, printed) = output::collected(|| sweep::run(&Workspace::locate(), &arguments, None));
+        assert_eq!(outcome.unwrap(), Outcome::Failed);
+        let is_reported = printed.contains("the first failed run: ") && printed.contains("crank.length = -1");
+        assert!(resume || is_reported, "{printed}");
+    }
 }
 
 /// A gear with its circuit, with parameters of both and the valve over time. Each row is that of a separate run.

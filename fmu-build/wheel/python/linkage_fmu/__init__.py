@@ -43,10 +43,11 @@ if TYPE_CHECKING:
     from typing import Any
 
     from . import build
+    from ._definition import check
     from ._fmu import Info, Validation, info, package, validate
     from ._kinematics import Kinematics
     from ._linear import LinearModel
-    from ._mechanism import Mechanism, Variable, check, example, examples
+    from ._mechanism import Mechanism, Variable, example, examples
     from ._page import Page
     from ._report import Fact, Finding, Quantity, Report
     from ._result import Result
@@ -55,6 +56,7 @@ if TYPE_CHECKING:
 # Modules of the names that are imported at their first use.
 _LAZY = {
     "build": "build",
+    "check": "_definition",
     "Info": "_fmu",
     "Validation": "_fmu",
     "info": "_fmu",
@@ -64,7 +66,6 @@ _LAZY = {
     "LinearModel": "_linear",
     "Mechanism": "_mechanism",
     "Variable": "_mechanism",
-    "check": "_mechanism",
     "example": "_mechanism",
     "examples": "_mechanism",
     "Page": "_page",

@@ -56,6 +56,21 @@ def wrong(argument: str, given: Any, expected: str) -> NoReturn:  # noqa: ANN401
     raise InputTypeError(f"{argument} = {shown}: must be {expected}")
 
 
+def require(package: str) -> None:
+    """Import a package that the user may not have installed.
+
+    Raises:
+        ModuleNotFoundError: the package is not installed.
+    """
+    try:
+        __import__(package)
+    except ModuleNotFoundError as error:
+        if error.name != package:
+            raise
+        text = f"this call needs the Python package {package}; run: pip install {package}"
+        raise ModuleNotFoundError(text, name=package) from None
+
+
 def file(argument: str, given: Any) -> str:  # noqa: ANN401
     """A path as text.
 

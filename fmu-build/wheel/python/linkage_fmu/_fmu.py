@@ -10,8 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from . import _engine
+from ._definition import Source
 from ._errors import file
-from ._mechanism import Mechanism, Source
+from ._mechanism import Mechanism
 
 
 class Info(dict[str, Any]):

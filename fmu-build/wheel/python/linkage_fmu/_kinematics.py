@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError, wrong
+from ._errors import InputError, require, wrong
 from ._mechanism import Mechanism, StartValue
 
 if TYPE_CHECKING:
@@ -68,6 +68,7 @@ class Kinematics:
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the computed values as a pandas data frame with one row for each position."""
+        require("pandas")
         import pandas
 
         frame = pandas.DataFrame(self._values)

@@ -16,8 +16,8 @@ Array = np.ndarray[Any, np.dtype[np.float64]]
 @dataclass(frozen=True)
 class LinearModel:
     """Linear model of small motions of a mechanism about one position at rest: x' = A x + B u, y = C x + D u. The
-    state x consists of
-    one coordinate of the mechanism, the time derivative of this coordinate, and the integral parts of controllers."""
+    state x consists of one coordinate of the mechanism, the time derivative of this coordinate, and the states of
+    controllers."""
 
     #: Name of the coordinate.
     coordinate: str

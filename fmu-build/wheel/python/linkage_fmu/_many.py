@@ -32,7 +32,12 @@ def simulate_many(
     shared: dict[str, Any] = {}
     varied: dict[str, np.ndarray[Any, Any]] = {}
     for name, given in start_values.items():
-        if isinstance(given, str | bytes) or np.ndim(given) == 0:
+        try:
+            is_one = isinstance(given, str | bytes) or np.ndim(given) == 0
+        except ValueError:
+            # Entries of different lengths.
+            is_one = False
+        if is_one:
             shared[name] = given
         else:
             varied[name] = _column(name, given)

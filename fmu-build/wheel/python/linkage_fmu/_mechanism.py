@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _FOLDER, _engine
+from ._definition import Source, is_text, read
 from ._errors import InputError, LinkageWarning, MechanismError, SimulationError, file, wrong
 from ._report import Fact, Report, report
 
@@ -22,8 +23,6 @@ if TYPE_CHECKING:
     from ._page import Page
     from ._result import Columns, Result
 
-#: Form of a definition: a path, a dictionary, or the text of a file.
-Source = str | os.PathLike[str] | Mapping[str, Any]
 #: A start value: a number in SI units, a truth value, a text with a unit such as "45 deg", or the name of an item.
 StartValue = float | bool | str
 
@@ -51,37 +50,6 @@ class Variable:
     description: str
 
 
-def read(source: Source) -> tuple[str, str, str]:
-    """Kind, place and text of a definition."""
-    if isinstance(source, Mapping):
-        text = as_json("source", source)
-    elif isinstance(source, str) and source.lstrip().startswith("{"):
-        text = source
-    elif isinstance(source, str | os.PathLike):
-        return _engine.read(file("source", source))
-    else:
-        wrong("source", source, "a path, a dict or a text")
-    try:
-        return _engine.kind_of(text), "definition", text
-    except UnicodeEncodeError as error:
-        raise InputError(f"source: the text contains a character that UTF-8 cannot represent: {error}") from None
-
-
-def check(source: Source) -> Report:
-    """Check a definition of a mechanism. Return a `Report` with all errors and warnings, and with computed facts about
-    the mechanism. A definition with errors raises no exception.
-
-    Args:
-        source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
-            FMU. The definition can also be a dict or a JSON text.
-
-    Raises:
-        InputError: no definition exists at the path in `source`.
-    """
-    kind, shown, text = read(source)
-    return report(kind, text, shown)
-
-
 def examples() -> list[str]:
     """Return the names of the example mechanisms in the package."""
     folder = Path(_FOLDER or ".") / "modelDescription"
@@ -102,18 +70,6 @@ def example(name: str) -> Mechanism:
     return Mechanism(Path(_FOLDER or ".") / "modelDescription" / name)
 
 
-def as_json(argument: str, stated: Mapping[str, Any]) -> str:
-    """A dict as JSON text.
-
-    Raises:
-        InputError: it has something that JSON has not.
-    """
-    try:
-        return json.dumps(stated, indent=2, ensure_ascii=False, allow_nan=False)
-    except (TypeError, ValueError, RecursionError) as error:
-        raise InputError(f"{argument}: the dict cannot be written as JSON: {error}") from None
-
-
 class Mechanism:
     """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the model.
 
@@ -128,8 +84,7 @@ class Mechanism:
 
     def __init__(self, source: Source) -> None:
         self._kind, self._shown, self._text = read(source)
-        is_text = isinstance(source, Mapping) or (isinstance(source, str) and source.lstrip().startswith("{"))
-        self._path = None if is_text else Path(file("source", source))
+        self._path = None if is_text(source) else Path(file("source", source))
         try:
             self._model = _engine.Model(self._kind, self._text)
         except InputError:
@@ -201,8 +156,8 @@ class Mechanism:
                 used.
             start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
                 unit such as "45 deg", a truth value, or an enumeration item.
-            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame. If
-                two rows have the same time, the inputs jump at this time.
+            input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame with
+                the column or the index `time`. If two rows have the same time, the inputs jump at this time.
             output: names of the variables to record. By default, all outputs are recorded.
             set_input_derivatives: True: the simulation also sets the time derivatives of the inputs in `input`.
 
@@ -230,7 +185,7 @@ class Mechanism:
             relative_tolerance,
             start_values,
             given,
-            bool(set_input_derivatives),
+            set_input_derivatives,
         )
         result = columns.result(rows, (self, dict(start_values) if start_values else {}, input is not None))
         for line in lines:
@@ -434,7 +389,7 @@ class Mechanism:
         if isinstance(platforms, str):
             platforms = [platforms]
         out = file("path", path)
-        paths, _ = _engine.package(str(source), out, str(fmi), platforms, bool(animation), bool(results))
+        paths, _ = _engine.package(str(source), out, str(fmi), platforms, animation, results)
         return [Path(made) for made in paths]
 
     def __repr__(self) -> str:

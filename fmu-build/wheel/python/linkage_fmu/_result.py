@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._errors import InputError, wrong
+from ._errors import InputError, require, wrong
 
 if TYPE_CHECKING:
     import pandas
@@ -43,6 +43,9 @@ class Columns:
 
 def signals(given: Any) -> Signals:  # noqa: ANN401
     """Times and columns of inputs over time."""
+    if "time" in getattr(getattr(given, "index", None), "names", ()):
+        # A data frame as from Result.to_pandas.
+        given = given.reset_index()
     names = getattr(getattr(given, "dtype", None), "names", None)
     if names is None and (isinstance(given, dict) or hasattr(given, "columns")):
         names = list(given)
@@ -98,6 +101,7 @@ class Result(np.ndarray[Any, Any]):
         """Return the result as a pandas data frame. The index of the data frame is the time. For a result of
         `simulate_many`, the index is the number of the run. The attribute `attrs["units"]` of the data frame contains
         the units of the columns."""
+        require("pandas")
         import pandas
 
         if "time" in self.names:
@@ -121,11 +125,14 @@ class Result(np.ndarray[Any, Any]):
         Raises:
             InputError: the result does not contain a variable with the given name.
         """
+        require("matplotlib")
         from matplotlib import pyplot
 
         for name in (x, *names):
             if not isinstance(name, str):
                 wrong("a name", name, "the name of a variable, a text")
+        if not isinstance(show, bool | np.bool_):
+            wrong("show", show, "True or False")
         self[x]
         chosen = list(names) or [name for name in self.names if name != x]
         groups: dict[str, list[str]] = {}

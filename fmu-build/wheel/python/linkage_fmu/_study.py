@@ -15,8 +15,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from . import _engine
-from ._errors import InputError, file, wrong
-from ._mechanism import Mechanism, as_json
+from ._definition import as_json
+from ._errors import InputError, file, require, wrong
+from ._mechanism import Mechanism
 
 if TYPE_CHECKING:
     import pandas
@@ -99,6 +100,8 @@ def _made(
     threads, progress = how
     if not (isinstance(progress, bool) or callable(progress)):
         wrong("progress", progress, "True, False or a function")
+    # Without pandas, the results of all runs would be lost.
+    require("pandas")
     bar = _Bar() if progress is True else None
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -107,6 +110,11 @@ def _made(
         watch = bar if bar is not None else progress if callable(progress) else None
         try:
             log = task(str(path), str(results), threads, watch)
+        except InputError as error:
+            if path.parent != folder:
+                raise
+            # The user did not write this file.
+            raise type(error)(str(error).replace(str(path), "study")) from None
         finally:
             if bar is not None:
                 bar.close()
@@ -114,6 +122,7 @@ def _made(
 
 
 def _table(path: Path, log: str) -> pandas.DataFrame:
+    require("pandas")
     import pandas
 
     with path.open(encoding="utf-8", newline="") as file:

@@ -26,6 +26,7 @@ The function `mechanism` returns the definition as a dict. You can add any other
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from numbers import Real
 from typing import Any
 
 from ._errors import InputError, wrong
@@ -122,8 +123,9 @@ def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
         target[own] = dict(values)
     for section, own, _, places in parts:
         for body_name, (point, at) in places.items():
-            numbers = list(at) if isinstance(at, Iterable) else []
-            if len(numbers) != 2 or not all(isinstance(number, int | float) for number in numbers):
+            place = at.tolist() if hasattr(at, "tolist") else at
+            numbers = list(place) if isinstance(place, Iterable) else []
+            if len(numbers) != 2 or not all(isinstance(number, Real) for number in numbers):
                 raise InputError(f"{own}: {at!r} is not a point; write (x, y) in mm")
             named = _place(bodies.setdefault(body_name, {}), body_name == "ground", point, numbers)
             for key in ("first", "second", "at"):

@@ -2,7 +2,7 @@
 //!
 //! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the
 //! values of these expressions. It must not know the order of parameters.
-use super::{Place, Unclear, is_clear, unknown_name, without_unit};
+use super::{Place, Stated, Unclear, is_clear, unknown_name, without_unit};
 use crate::format::{DefinitionError, Expression, Faults, Number, index_of, numbers};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::drawing::Units;
@@ -35,9 +35,10 @@ impl Mechanism {
             is_parameter[index] = true;
         }
         let others = (0..texts.len()).filter(|index| !is_parameter[*index]);
+        let stated = self.stated_units(texts.len());
         let read = |index: usize| {
             let text = &texts[index];
-            Expression::new(text).map_err(|why| without_unit(text, None, names).unwrap_or(why))
+            Expression::new(text).map_err(|why| without_unit(text, stated[index], names).unwrap_or(why))
         };
         let mut others: Vec<_> = others.map(|index| Fixed { index, expression: read(index), stated: None }).collect();
         for (key, value, unit) in self.numbers_read_once() {
@@ -55,6 +56,18 @@ impl Mechanism {
             fixed.stated = Some((key, unit));
         }
         others
+    }
+
+    /// Unit of the number in whose place each of the `count` texts stands.
+    fn stated_units(&self, count: usize) -> Vec<Stated> {
+        let (mut all, units, rotary) = (vec![(Unit::One, None); count], self.units.unwrap_or_default(), self.rotary());
+        numbers(&mut self.clone(), &mut |number: Number| {
+            if let Some(stated) = index_of(*number.value).and_then(|index| all.get_mut(index)) {
+                let unit = number.unit(&rotary);
+                *stated = (unit, units.of_path(number.path, unit));
+            }
+        });
+        all
     }
 
     /// Numbers that are no parameters and shape the mechanism, or the guess, with their keys; the unit of a length or

@@ -1,6 +1,7 @@
 //! Checks of the hydraulic network of a mechanism: each cylinder moves an actuator of the same name.
 //!
 //! In: a definition. Out: faults of its network. It must not know laws.
+use super::CURVED;
 use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
@@ -56,11 +57,16 @@ impl Mechanism {
                  and second, or a prismatic joint",
             );
         }
+        if self.is_in_slot(actuator) {
+            refuse(".joint", &format!("a cylinder of the network has this name, and a cylinder {CURVED}"));
+        }
         for (key, is_given) in [
             (".screw", actuator.screw.is_some()),
             (".force", actuator.force.is_some()),
             (".efficiency", actuator.efficiency.is_some()),
+            (".backward_efficiency", actuator.backward_efficiency.is_some()),
             (".points", actuator.points.is_some()),
+            (".control", actuator.control.is_some()),
         ] {
             if is_given {
                 refuse(key, "a cylinder of the network drives this actuator: remove this key");

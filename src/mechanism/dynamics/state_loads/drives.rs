@@ -45,11 +45,13 @@ impl<T: Number> StateLoadEvaluator<T> {
                 switches.see(switch - 1, margin)
             };
             let own = applied.size(drive, t);
-            let [force, rate] =
-                law.force(own, |input| applied.size(input, t), [position, speed], &self.integrals, margin);
-            self.delivered[law_load.at] = force;
-            if let Some(integral) = law.integral {
-                self.integral_rates[integral] = rate;
+            let states = self.controllers.as_ref();
+            let acting = law.force(own, |input| applied.size(input, t), [position, speed], states, margin);
+            self.delivered[law_load.at] = acting.force;
+            if states.is_some() {
+                for (state, rate) in law.states.into_iter().zip(acting.rates) {
+                    state.into_iter().for_each(|state| self.controller_rates[state] = rate);
+                }
             }
         }
         for (k, &load) in state_loads.drives[..first_law].iter().enumerate() {

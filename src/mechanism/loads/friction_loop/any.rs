@@ -10,7 +10,7 @@ impl<T: Number> FrictionLoop<T> {
     ///
     /// If Newton's method does not converge in a few iterations from the frictionless reactions, as where friction
     /// takes away most of a reaction, the solution is continued from the frictionless one while the arms grow from 0.
-    pub(super) fn solve_any(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+    pub(super) fn solve_any(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
         /// First growth of the arms, relative to their full size.
         const FIRST: f64 = 0.25;
         /// Least growth of the arms: near the end of the solution, where reactions may grow without bound, each growth
@@ -46,7 +46,12 @@ impl<T: Number> FrictionLoop<T> {
         }
         self.keep_sizes();
         let contracts = self.contracts(balance);
+        // A solution that is not unique is found from the frictionless one.
+        if contracts && !T::CARRIES {
+            self.of_sizes.add_to(t, &mut self.size);
+        }
         if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
+            self.of_sizes.learn(t, &self.size, &self.last);
             return Ok(());
         }
         let (mut part, mut more, mut determinant, mut ends) = (0.0, FIRST, 1.0, false);
@@ -144,9 +149,9 @@ impl<T: Number> FrictionLoop<T> {
                 self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
                 let [u, x, y] = self.direction[i].map(|slope| -part * slope);
                 let row = &mut self.matrix[i * n..(i + 1) * n];
-                let effects = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
-                for (j, out) in row.iter_mut().enumerate() {
-                    *out = u * effects[0][j].value() + x * effects[1][j].value() + y * effects[2][j].value();
+                let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
+                for (((out, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
+                    *out = u * along.value() + x * first.value() + y * second.value();
                 }
                 row[i] += 1.0;
             }
@@ -197,10 +202,10 @@ fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
     let n = b.len();
     let mut determinant = 1.0;
     for k in 0..n {
-        let mut pivot = k;
-        for i in k + 1..n {
-            if a[i * n + k].abs() > a[pivot * n + k].abs() {
-                pivot = i;
+        let (mut pivot, mut most) = (k, a[k * n + k].abs());
+        for (i, below) in (k + 1..n).zip(a[k * n + k..].iter().step_by(n).skip(1)) {
+            if below.abs() > most {
+                (pivot, most) = (i, below.abs());
             }
         }
         if pivot != k {

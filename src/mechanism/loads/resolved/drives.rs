@@ -1,8 +1,8 @@
 //! Drives, with the laws by which their motion sizes a part of their force.
 //!
 //! In: a definition of a drive. Out: its law, with the names of the commands. It must not know the state.
-use crate::mechanism::definition::{self, Actuator, DefinitionError};
-use crate::mechanism::loads::laws::control::{Control, Integral};
+use crate::mechanism::definition::{self, Actuator, ControlState, DefinitionError, MOST_CONTROL_STATES};
+use crate::mechanism::loads::laws::control::{Acting, Control, Integral};
 use crate::numerics::decimal::Decimal;
 use crate::numerics::dual::Number;
 use crate::numerics::monotone::monotone;
@@ -19,8 +19,11 @@ pub struct Efficiency {
 }
 
 impl Efficiency {
-    /// The efficiency of a drive, if its definition states one.
+    /// The efficiency of a drive, if its definition states one. The loss of a screw that locks itself is friction.
     pub(super) fn of(drive: &Actuator) -> Option<Self> {
+        if drive.locks_itself() {
+            return None;
+        }
         let (forward, backward) = (drive.efficiency, drive.backward_efficiency);
         let forward_or = forward.unwrap_or(1.0);
         forward.or(backward).map(|_| Self { forward: forward_or, backward: backward.unwrap_or(forward_or) })
@@ -48,8 +51,8 @@ pub struct DriveLaw {
     pub load: usize,
     /// What sizes the load.
     pub kind: DriveLawKind,
-    /// Index of the integral part among those of all drives; none without one.
-    pub integral: Option<usize>,
+    /// Indices of the integral part and of the force among the states of all controllers; none without this state.
+    pub states: [Option<usize>; 2],
 }
 
 /// What sizes the load of a drive's law.
@@ -68,7 +71,7 @@ impl DriveLaw {
     /// The limits of the force exclude each other.
     pub(super) fn new(name: &str, drive: &Actuator, load: usize) -> Result<Option<Self>, DefinitionError> {
         if let Some(curve) = drive.points.as_ref().and_then(|points| monotone(points)) {
-            return Ok(Some(Self { load, kind: DriveLawKind::Curve(curve), integral: None }));
+            return Ok(Some(Self { load, kind: DriveLawKind::Curve(curve), states: [None; 2] }));
         }
         let Some(control) = drive.control else { return Ok(None) };
         let definition::Control { position_gain, speed_gain, min_force, max_force, .. } = control;
@@ -80,8 +83,11 @@ impl DriveLaw {
             return Err(DefinitionError::value(key, Decimal(most), allowed));
         }
         let integral = integral_of(name, &control)?;
-        let control = Control { position_gain, speed_gain, integral, limits: [min_force, max_force] };
-        Ok(Some(Self { load, kind: DriveLawKind::Control(control), integral: None }))
+        let delay = control.force_time_constant;
+        let change = delay.zip(control.max_force_rate).map(|(time, rate)| time * rate);
+        let limits = [min_force, max_force, change.map(|most| -most), change];
+        let control = Control { position_gain, speed_gain, integral, delay, limits };
+        Ok(Some(Self { load, kind: DriveLawKind::Control(control), states: [None; 2] }))
     }
 
     /// Names of the inputs that are the commands of the law of a drive with this name.
@@ -132,27 +138,34 @@ impl DriveLaw {
         })
     }
 
-    /// Force that it adds to the force `own` of the drive's input [N or N.m]: `command` is the size of an input,
-    /// `motion` the displacement and the speed of the drive, `margin` as in [`Control::limited`]. With it the rate of
-    /// the integral part in `integrals`, 0 without one.
+    /// F_u of a controller, with `own`, `command` and `motion` as for [`Self::force`] and its integral part.
+    pub fn followed(&self, own: f64, command: impl Fn(usize) -> f64, motion: [f64; 2], states: &[f64]) -> Option<f64> {
+        let integral = self.states[ControlState::Integral as usize].map(|k| states[k]);
+        let command = |k| command(self.load + k);
+        Some(self.control()?.acting(own, command, motion, Some([integral, None]), |_, margin| margin).force)
+    }
+
+    /// Force that it adds to the force `own` of the drive's input [N or N.m], with the rates of its states: `command`
+    /// is the size of an input, `motion` the displacement and the speed of the drive, `states` are those of all
+    /// controllers, `margin` is as in [`Control::acting`].
     #[inline]
     pub fn force<T: Number>(
         &self,
         own: T,
         command: impl Fn(usize) -> T,
         motion: [T; 2],
-        integrals: &[T],
+        states: Option<&[T; MOST_CONTROL_STATES]>,
         margin: impl FnMut(usize, f64) -> f64,
-    ) -> [T; 2] {
-        let zero = T::constant(0.0);
+    ) -> Acting<T> {
         match &self.kind {
-            DriveLawKind::Curve(force) => [command(self.load) * motion[1].compose(force.at(motion[1].value())), zero],
+            DriveLawKind::Curve(force) => {
+                let force = command(self.load) * motion[1].compose(force.at(motion[1].value()));
+                Acting { force, rates: [T::constant(0.0); 2] }
+            }
             DriveLawKind::Control(control) => {
-                let command = |k| command(self.load + k);
-                let integral = self.integral.map_or(zero, |k| integrals[k]);
-                let demanded = control.demanded(own, command, motion, integral);
-                let limited = control.limited(demanded, margin);
-                [limited - own, control.rate(command, motion[0], [demanded, limited])]
+                let states = states.map(|all| self.states.map(|state| state.map(|k| all[k])));
+                let acting = control.acting(own, |k| command(self.load + k), motion, states, margin);
+                Acting { force: acting.force - own, ..acting }
             }
         }
     }
@@ -163,15 +176,15 @@ impl DriveLaw {
 /// # Errors
 /// The default of its tracking time is 0.
 fn integral_of(name: &str, control: &definition::Control) -> Result<Option<Integral>, DefinitionError> {
-    let definition::Control { position_gain, integral_gain, tracking_time, min_force, max_force, .. } = *control;
+    let definition::Control { position_gain, integral_gain, tracking_time, .. } = *control;
     let Some(gain) = integral_gain else { return Ok(None) };
     let default = if gain == 0.0 { 0.0 } else { gain / position_gain.unwrap_or(0.0) };
-    let is_limited = min_force.or(max_force).is_some();
+    let is_limited = control.min_force.or(control.max_force).or(control.max_force_rate).is_some();
     let tracking = if is_limited { tracking_time.map_or(default, |time| 1.0 / time) } else { 0.0 };
     if tracking.is_finite() {
         return Ok(Some(Integral { gain, tracking }));
     }
     let message = "the default position_gain / integral_gain is too small, because position_gain is too small: give \
-        tracking_time or a larger position_gain, or remove the limits of the force";
+        tracking_time or a larger position_gain, or remove the limits of the force and of its rate";
     Err(DefinitionError::key(format_args!("actuators.{name}.control.tracking_time"), message.to_owned()))
 }

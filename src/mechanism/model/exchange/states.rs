@@ -7,11 +7,11 @@ use crate::mechanism::model::{Model, ModelError};
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::{ContinuousTime, Reference};
 
-/// States or their rates: those of the motion, then those of integral parts.
-pub(super) fn joined(motion: [f64; 2], integrals: &[f64]) -> [f64; MOST_STATES] {
+/// States or their rates: those of the motion, then those of controllers.
+pub(super) fn joined(motion: [f64; 2], controllers: &[f64]) -> [f64; MOST_STATES] {
     let mut all = [0.0; MOST_STATES];
     all[..2].copy_from_slice(&motion);
-    all[2..2 + integrals.len()].copy_from_slice(integrals);
+    all[2..2 + controllers.len()].copy_from_slice(controllers);
     all
 }
 
@@ -20,7 +20,7 @@ impl Model {
     /// circuit.
     pub fn continuous_time(&self) -> Option<ContinuousTime> {
         let mut all = ContinuousTime::default();
-        let mut integrals = [Vec::new(), Vec::new()];
+        let mut controllers = [Vec::new(), Vec::new()];
         for reference in 0..self.original.variables.list().len() as Reference {
             match self.original.variables.quantity(reference) {
                 Some(Quantity::State(order)) => {
@@ -28,11 +28,16 @@ impl Model {
                     all.derivatives.extend((order > 0).then_some(reference));
                 }
                 Some(Quantity::Indicator(_)) => all.indicators.push(reference),
-                Some(Quantity::Output(Output::Integral { order, .. })) => integrals[order].push(reference),
+                Some(Quantity::Output(Output::Controller { drive, state, order })) => {
+                    let law = self.original.reduced.loading().drives[drive].law.as_ref();
+                    controllers[order].push((law.and_then(|law| law.states[state as usize]), reference));
+                }
                 _ => {}
             }
         }
-        let [values, rates] = integrals;
+        // In the order of the states, not of the outputs.
+        controllers.iter_mut().for_each(|all| all.sort_unstable());
+        let [values, rates] = controllers.map(|all| all.into_iter().map(|(_, reference)| reference));
         all.states.extend(values);
         all.derivatives.extend(rates);
         (!all.states.is_empty()).then_some(all)
@@ -42,7 +47,7 @@ impl Model {
     pub fn state_count(&self) -> usize {
         let loading = self.original.reduced.loading();
         let has_none = loading.first_port().is_some() || self.original.reduced.linkage().is_massless;
-        if has_none { 0 } else { 2 + loading.integrating().count() }
+        if has_none { 0 } else { 2 + loading.control_states().count() }
     }
 
     /// References of the event indicators: the last variables.
@@ -61,14 +66,15 @@ impl Model {
     /// As [`Self::continuous_states`].
     pub fn nominals(&mut self) -> Result<[f64; MOST_STATES], ModelError> {
         let reduced = self.reduced()?;
-        let mut integrals = [0.0; MOST_STATES - 2];
-        for (nominal, drive) in integrals.iter_mut().zip(reduced.loading().integrating()) {
+        let mut controllers = [0.0; MOST_STATES - 2];
+        for (nominal, (drive, _)) in controllers.iter_mut().zip(reduced.loading().control_states()) {
             let drive = &reduced.loading().drives[drive];
-            let gain = drive.law.as_ref().and_then(DriveLaw::control).and_then(|control| control.position_gain);
-            let force = gain.unwrap_or(0.0) * if drive.is_rotary { 1.0 } else { reduced.linkage().size };
+            let Some(control) = drive.law.as_ref().and_then(DriveLaw::control) else { continue };
+            let size = if drive.is_rotary { 1.0 } else { reduced.linkage().size };
+            let force = control.position_gain.or(control.speed_gain).unwrap_or(0.0) * size;
             *nominal = if force > 0.0 { force } else { 1.0 };
         }
-        Ok(joined([reduced.scale(); 2], &integrals))
+        Ok(joined([reduced.scale(); 2], &controllers))
     }
 
     /// Which of the states has this reference, if a host's solver integrates them.
@@ -76,9 +82,9 @@ impl Model {
     pub(in crate::mechanism::model) fn known_state(&self, reference: Reference) -> Option<usize> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::State(order @ 0..=1)) if self.exchange.is_some() => Some(order),
-            Some(Quantity::Output(Output::Integral { drive, order: 0 })) if self.exchange.is_some() => {
+            Some(Quantity::Output(Output::Controller { drive, state, order: 0 })) if self.exchange.is_some() => {
                 let law = self.original.reduced.loading().drives[drive].law.as_ref();
-                law.and_then(|law| law.integral).map(|integral| 2 + integral)
+                law.and_then(|law| law.states[state as usize]).map(|index| 2 + index)
             }
             _ => None,
         }

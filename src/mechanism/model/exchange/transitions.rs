@@ -130,8 +130,8 @@ pub fn value_of(
             let switch = |s: &StateLoads| Some(s.efficient + s.prismatic.iter().position(|other| is_own(s, *other))?);
             switching(view, switch)?.unwrap_or(ABSENT)
         }
-        Indicator::Limit { drive, upper } => {
-            let is_own = |s: &StateLoads, (law, side): (usize, usize)| (s.laws[law].drive, side == 1) == (drive, upper);
+        Indicator::Limit { drive, side } => {
+            let is_own = |s: &StateLoads, (law, own): (usize, usize)| (s.laws[law].drive, own) == (drive, side);
             let switch = |s: &StateLoads| Some(s.limit_switch(s.limits.iter().position(|own| is_own(s, *own))?));
             switching(view, switch)?.unwrap_or(ABSENT)
         }

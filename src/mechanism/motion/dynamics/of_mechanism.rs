@@ -47,7 +47,7 @@ where
         } else if N == NETWORKED {
             self.set_pressures_of_network(z);
         } else if N == CONTROLLED {
-            self.set_integrals(z);
+            self.set_controllers(z);
         }
     }
 

@@ -1,4 +1,4 @@
-//! Steps with the hydraulic circuit of a drive, the network of the mechanism or integral parts of controllers, and what
+//! Steps with the hydraulic circuit of a drive, the network of the mechanism or states of controllers, and what
 //! they refuse.
 //!
 //! In: an equation of motion, the state of the circuit, network or controllers, inputs. Out: the state after the step,
@@ -10,7 +10,7 @@ use crate::hydraulics::circuit::SUPPLY;
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::network::laws::Laws;
 use crate::integrator::{IntegrationError, Statistics, System};
-use crate::mechanism::definition::{MOST_INTEGRALS, Mechanism};
+use crate::mechanism::definition::{ControlState, DefinitionError, MOST_CONTROL_STATES, Mechanism};
 use crate::mechanism::dynamics::controlled::CONTROLLED;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
@@ -28,6 +28,7 @@ use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, recount, r
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
+use crate::numerics::decimal::Decimal;
 use std::any::Any;
 
 /// A motion with the hydraulics that drive it.
@@ -196,13 +197,26 @@ where
     }
 }
 
-/// The integral parts of the controllers of a mechanism at its start.
-pub fn control_at_start(mechanism: &Mechanism) -> CircuitState<MOST_INTEGRALS> {
+/// The states of the controllers of a mechanism at its start, with stated forces alone.
+///
+/// # Errors
+/// A stated force is beyond a limit of the force.
+pub fn control_at_start(mechanism: &Mechanism) -> Result<CircuitState<MOST_CONTROL_STATES>, DefinitionError> {
     let mut state = CircuitState::default();
-    for (value, (_, control)) in state.values.iter_mut().zip(mechanism.integrating_drives()) {
-        *value = control.start_integral.unwrap_or(0.0);
+    for (value, (name, control, kind)) in state.values.iter_mut().zip(mechanism.control_states()) {
+        let start = if kind == ControlState::Force { control.start_force } else { control.start_integral };
+        *value = start.unwrap_or(0.0);
+        let [least, most] = [control.min_force, control.max_force];
+        let is_beyond = least.is_some_and(|least| *value < least) || most.is_some_and(|most| *value > most);
+        if kind == ControlState::Force && start.is_some() && is_beyond {
+            let key = format_args!("actuators.{name}.control.start_force");
+            let limit = |name: &str, limit: Option<f64>| limit.map(|limit| format!("{name} = {}", Decimal(limit)));
+            let limits = [limit(">= min_force", least), limit("<= max_force", most)].into_iter().flatten();
+            let allowed = limits.collect::<Vec<_>>().join(" and ");
+            return Err(DefinitionError::value(key, Decimal(*value), allowed));
+        }
     }
-    state
+    Ok(state)
 }
 
 /// The state of a network at its start, at these lengths of the cylinders [m].

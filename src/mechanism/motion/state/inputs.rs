@@ -8,7 +8,7 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::network::is_engaged;
-use crate::mechanism::dynamics::panel_force::AppliedLoads;
+use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
@@ -58,6 +58,9 @@ pub fn engages(reduced: &Reduced, locks: &[bool], network: Option<&[f64]>, lock:
 /// The places at which a lock is engaged, as [`engages`] states.
 pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], network: Option<&[f64]>) -> EngagedLocks {
     let mut locked = EngagedLocks::default();
+    if !locks.contains(&true) {
+        return locked;
+    }
     let all = reduced.loading().locks.iter().enumerate();
     for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, network, *index)) {
         for (side, locked) in locked.rigid.iter_mut().enumerate() {
@@ -93,6 +96,21 @@ impl State {
     #[inline]
     pub fn inputs_changed(&mut self) {
         self.saved.in_force = None;
+    }
+
+    /// The applied loads on the panel of the last step, if its inputs are in force and do not change with time.
+    /// `air`: whether moving air is to be among the loads that the state decides.
+    #[inline]
+    pub fn panel_force(&self, air: bool) -> Option<&PanelForce> {
+        let is_known = self.in_force.is_some() && self.prescribed.is_none() && self.scratch.air == air;
+        is_known.then_some(&self.scratch.panel_force)
+    }
+
+    /// Take over for the next step what outputs have evaluated last, under the same conditions.
+    #[inline(always)]
+    pub(super) fn share(&mut self, reduced: &Reduced, known: &Scratch) {
+        let panel_force = self.panel_force(known.air).map(|_| &known.panel_force);
+        self.scratch.panel_force.share(panel_force, reduced.at(self.saved.sigma).stretch, self.saved.sigma);
     }
 
     /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a

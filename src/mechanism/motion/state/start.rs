@@ -17,7 +17,7 @@ use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::memory::{CircuitState, Memory};
 use crate::mechanism::motion::saved::SavedState;
-use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel};
+use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel, within_stops};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
 use crate::numerics::decimal::Decimal;
@@ -44,7 +44,9 @@ impl Start {
         let start = &mechanism.start;
         let linkage = reduced.linkage();
         if start.is_at_guess() {
-            return Self::resting(reduced, 0.0, 0.0, None);
+            // A guess is rough, and a drawing rounded: the equilibrium is sought on this side of the stops.
+            let (sigma, revolutions) = reduced.unwound(within_stops(reduced)?);
+            return Self::resting(reduced, sigma, revolutions, None);
         }
         let Stated { coordinate, value, name, quantity } = Stated::new(mechanism, linkage);
         let variable = format!("{name}.start_{quantity}");
@@ -221,8 +223,8 @@ impl State {
                     let state = network_at_start(system, &drives.laws, &lengths);
                     saved.memory = Memory::with_network(state, reduced.loading().ports())?;
                 }
-                _ if reduced.loading().integrating().next().is_some() => {
-                    saved.memory = Memory::with_control(control_at_start(mechanism))?;
+                _ if reduced.loading().control_states().next().is_some() => {
+                    saved.memory = Memory::with_control(control_at_start(mechanism)?)?;
                 }
                 _ => saved.memory.begin(state_loads.is_some()),
             },

@@ -162,8 +162,7 @@ impl ReducedMotion {
 
     fn set_drive(&mut self, load: usize, size: f64) {
         if self.loads.sizes[load].to_bits() != size.to_bits() {
-            self.loads.sizes[load] = size;
-            self.invalidate_sizes();
+            self.set_size(load, size);
         }
     }
 

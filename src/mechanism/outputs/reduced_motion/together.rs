@@ -25,24 +25,24 @@ impl<'a> Outputs<'a> {
         if self.is_misplaced() { f64::NAN } else { number(value_of(&mut self.view, self.loading, output)) }
     }
 
-    /// [`Self::value`] of as many outputs as there is memory for values; whether each of them has one.
+    /// [`Self::value`] of as many outputs as there is memory for values, with the functions that they are derivatives
+    /// of; whether each of them has one.
     #[inline]
-    pub fn fill(&mut self, outputs: &[Output], values: &mut [MaybeUninit<f64>]) -> bool {
+    pub fn fill(&mut self, (outputs, functions): (&[Output], &[usize]), values: &mut [MaybeUninit<f64>]) -> bool {
         if self.is_misplaced() {
             values.fill(MaybeUninit::new(f64::NAN));
             return values.is_empty();
         }
-        let mut have_all = true;
-        for (output, value) in outputs.iter().zip(values) {
-            match evaluate(&mut self.view, self.loading, output) {
-                Ok(number) if number.is_finite() => value.write(number),
-                _ => {
-                    have_all = false;
-                    value.write(f64::NAN)
-                }
-            };
+        self.view.find_functions(functions);
+        let mut sum = 0.0;
+        for (value, output) in values.iter_mut().zip(outputs) {
+            let number = evaluate(&mut self.view, self.loading, output).unwrap_or(f64::NAN);
+            // 0 for a finite number, else NaN.
+            let nothing = 0.0 * number;
+            sum += nothing;
+            value.write(number + nothing);
         }
-        have_all
+        sum == 0.0
     }
 
     /// [`Self::value`] of several outputs.

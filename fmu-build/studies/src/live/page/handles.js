@@ -86,11 +86,13 @@ function stopHandles(root, scene, travel, metre, radian) {
     const base = { name: stop.name, path: ["stops", stop.name, key], raw: own[key], poses: met.poses, turn: 0 };
     const joint = scene.joints[stop.joint];
     if (key === "angle") {
-      const frame = stop.frame ?? joint?.second.frame;
+      // Of two bodies the second one turns with the angle, unless it is the ground.
+      const pair = stop.bodies;
+      const frame = stop.frame ?? (pair ? pair[1].frame || pair[0].frame : joint?.second.frame);
       const about = joint?.second ?? { frame, at: [0, 0] };
       const points = scene.bodies.flatMap((body) => body.points).filter((point) => point.frame === frame);
       const far = points.reduce((best, point) => (Math.hypot(...minus(point.at, about.at)) > Math.hypot(...minus(best.at, about.at)) ? point : best), about);
-      return far === about ? [] : [{ ...base, kind: "angle", point: far, about, unit: radian }];
+      return far === about ? [] : [{ ...base, kind: "angle", point: far, about, unit: pair?.[1].frame === 0 ? -radian : radian }];
     }
     if (key === "length" && stop.ends) return [{ ...base, kind: "along", point: stop.ends[1], unit: metre, from: stop.ends[0] }];
     return joint?.axis ? [{ ...base, kind: "along", point: joint.second, unit: metre, joint }] : [];
@@ -105,7 +107,7 @@ function moved(handle, poses, from, to, perPixel) {
     const center = place(poses, handle.about);
     const [a, b] = [minus(from, center), minus(to, center)];
     const angle = Math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]);
-    return [rounded(handle.raw + angle / handle.unit, perPixel / Math.hypot(...a) / handle.unit)];
+    return [rounded(handle.raw + angle / handle.unit, perPixel / Math.hypot(...a) / Math.abs(handle.unit))];
   }
   const step = perPixel / handle.unit;
   if (handle.kind === "along") {

@@ -22,6 +22,10 @@ pub struct Size {
     pub height: u16,
 }
 
+/// Ubuntu Light without hints and tables that films do not use, with the derived name that its licence requires:
+/// `pyftsubset --unicodes='*' --no-hinting --layout-features='' --drop-tables+=kern,GPOS,GSUB,GDEF,DSIG,gasp,VDMX,LTSH`.
+const FONT: &[u8] = include_bytes!("font/ubuntu-light.ttf");
+
 /// The font of all texts, because a machine may have no font.
 pub struct Font(Face<'static>);
 
@@ -31,7 +35,7 @@ impl Font {
     /// # Errors
     /// The font cannot be read.
     pub fn new() -> Result<Self> {
-        Face::parse(epaint_default_fonts::UBUNTU_LIGHT, 0).map(Self).context("the font of the film cannot be read")
+        Face::parse(FONT, 0).map(Self).context("the font of the film cannot be read")
     }
 
     /// Pixels per unit of the font for letters of the height `size` [px].
