@@ -1,9 +1,9 @@
 """The crane of examples/crane and its hydraulics as one system, integrated by SciPy: the reference for a coupling.
 
 Usage: python tests/networks/two_link_crane.py > examples/crane/reference_both.txt writes times and the angles of boom
-and jib. With the argument `one`, for reference_one.txt, the crane is without the cylinder of the jib. The equations of the
-oil are those of integrate.py. The crane's are Lagrange's, from positions and energies. This program shares the numbers
-of the example, and no equation.
+and jib. With the argument `one`, for reference_one.txt, the crane is without the cylinder of the jib. The equations
+of the oil are those of integrate.py. The crane's are Lagrange's, from positions and energies. This program shares the
+numbers of the example, and no equation.
 """
 
 from __future__ import annotations
