@@ -38,6 +38,7 @@ pub use loads::{Actuator, Air, Force, Gas, Gravity, Screw, Spring, Surface, Torq
 pub use masses::{Massless, listed};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};
+pub use validate::allow_hydraulics;
 
 use crate::format::{self, About, Aside, Element, Faults, Flag, Key, either, element, keys, line, number};
 use crate::hydraulics::definition::Circuit;
@@ -286,6 +287,15 @@ impl Mechanism {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
+        allow_hydraulics();
+        Self::checked(text)
+    }
+
+    /// [`Self::from_json`], with hydraulics only if [`allow_hydraulics`] was called.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`].
+    pub fn checked(text: &str) -> Result<Self, DefinitionError> {
         let (mechanism, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
         faults.first()?;
         Ok(mechanism)

@@ -79,6 +79,7 @@ pub struct StateLoadEvaluator<T> {
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
+    #[inline(never)]
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
         let (drives, loads, friction_joints) =
