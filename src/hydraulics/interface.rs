@@ -279,7 +279,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::Energy(2),
         &[],
     ),
-    ("energy.seal_friction", "Energy lost in seal friction since the start", Unit::Joule, Output::Energy(3), &[]),
+    ("energy.seal_friction", "Energy lost in the seal friction since the start", Unit::Joule, Output::Energy(3), &[]),
     (
         "energy.compression",
         "Energy stored in the compression of the oil of the circuit since the start of the run",

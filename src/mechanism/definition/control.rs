@@ -55,7 +55,7 @@ keys! {
         /// Largest size of the time derivative dF/dt of the drive force F [N/s or N.m/s], > 0. The key `max_force_rate`
         /// is allowed only together with `force_time_constant`.
         max_force_rate: Option<f64> => either([NewtonPerSecond, NewtonMetrePerSecond], Range::Positive)
-            .parameter(Role::Law, "Largest rate of the force").brief();
+            .parameter(Role::Law, "Largest rate of change of the force").brief();
         /// Force of the drive at the start of the run [N or N.m]. Default: the force of the controller at the start of
         /// the run. The key `start_force` is allowed only together with `force_time_constant`.
         start_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
