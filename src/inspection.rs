@@ -60,15 +60,16 @@ impl Finding {
     }
 
     /// A warning about the value at this path.
-    pub fn warning(path: impl fmt::Display, message: impl AsRef<str>, remedy: impl AsRef<str>) -> Self {
-        Self::of_warning(&path, message.as_ref(), remedy.as_ref())
+    pub fn warning(path: impl fmt::Display, message: impl fmt::Display, remedy: impl fmt::Display) -> Self {
+        Self::of_warning(&path, &message, &remedy)
     }
 
     // The code exists once for all types of texts.
     #[cold]
     #[inline(never)]
-    fn of_warning(path: &dyn fmt::Display, message: &str, remedy: &str) -> Self {
-        let (path, message, remedy) = (path.to_string(), on_one_line(message), on_one_line(remedy));
+    fn of_warning(path: &dyn fmt::Display, message: &dyn fmt::Display, remedy: &dyn fmt::Display) -> Self {
+        let [message, remedy] = [message, remedy].map(|text| on_one_line(&text.to_string()));
+        let path = path.to_string();
         Self { severity: Severity::Warning, path, message, remedy, bytes: None }
     }
 }

@@ -54,7 +54,8 @@ pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
 #[inline]
 fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Refusal> {
     if pointer.is_null() || !pointer.is_aligned() || count > most::<T>() {
-        return Err(refuse(name, pointer, count));
+        let unaligned = (!pointer.is_aligned()).then_some(align_of::<T>());
+        return Err(refuse(name, count, pointer.is_null(), unaligned));
     }
     Ok(())
 }
@@ -65,13 +66,11 @@ const fn most<T>() -> usize {
 }
 
 #[cold]
-fn refuse<T>(name: &str, pointer: *const T, count: usize) -> Refusal {
-    Refusal::error(if pointer.is_null() {
-        format!("the array '{name}' of {count} elements is NULL")
-    } else if !pointer.is_aligned() {
-        format!("the array '{name}' is not aligned to {} bytes", align_of::<T>())
-    } else {
-        format!("the array '{name}' of {count} elements is larger than memory")
+fn refuse(name: &str, count: usize, is_null: bool, unaligned: Option<usize>) -> Refusal {
+    Refusal::error(match (is_null, unaligned) {
+        (true, _) => format!("the array '{name}' of {count} elements is NULL"),
+        (_, Some(bytes)) => format!("the array '{name}' is not aligned to {bytes} bytes"),
+        _ => format!("the array '{name}' of {count} elements is larger than memory"),
     })
 }
 

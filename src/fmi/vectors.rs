@@ -57,18 +57,25 @@ impl Instance {
         if references.len() == values && references.iter().all(|&reference| reference <= time) {
             return work(self, references);
         }
-        let mut scalars = take(&mut self.scalars);
-        scalars.clear();
-        for reference in references {
-            let elements = self.vector(*reference).map_or(std::slice::from_ref(reference), |vector| &vector.elements);
-            scalars.extend_from_slice(elements);
-        }
+        let scalars = self.scalars_of(references);
         let answer = match scalars.len() == values {
             true => work(self, &scalars),
             false => Err(wrong_number(references.len(), scalars.len(), values)),
         };
         self.scalars = scalars;
         answer
+    }
+
+    /// The scalars of these variables, in the room of `scalars`.
+    #[inline(never)]
+    fn scalars_of(&mut self, references: &[Reference]) -> Vec<Reference> {
+        let mut scalars = take(&mut self.scalars);
+        scalars.clear();
+        for reference in references {
+            let elements = self.vector(*reference).map_or(std::slice::from_ref(reference), |vector| &vector.elements);
+            scalars.extend_from_slice(elements);
+        }
+        scalars
     }
 
     /// Reads Reals and the time, like [`Instance::get_real`].

@@ -259,6 +259,17 @@ impl Faults {
         checked.map_err(|fault| self.add(fault)).ok()
     }
 
+    /// Adds a key that excludes another key, or any other fault as text.
+    pub fn refuse(&mut self, key: impl Display, message: impl Display) {
+        self.add_other(&key, &message);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn add_other(&mut self, key: &dyn Display, message: &dyn Display) {
+        self.0.push(DefinitionError::other(key, message));
+    }
+
     #[cold]
     #[inline(never)]
     fn add(&mut self, fault: DefinitionError) {

@@ -7,31 +7,60 @@ use std::sync::Arc;
 const FEW: usize = 16;
 
 /// Entries in the order of the file; names are unique.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Named<T> {
-    entries: Vec<(String, T)>,
-    /// Index of each name, if there are more than [`FEW`] entries. Names never change, so copies share the map.
-    indices: Option<Arc<HashMap<String, usize>>>,
+    /// Copies share the names, which never change.
+    names: Arc<Names>,
+    values: Vec<T>,
+}
+
+/// The names. This code does not depend on the type of the entries.
+#[derive(Clone, Debug, Default)]
+struct Names {
+    list: Vec<String>,
+    /// Index of each name, if there are more than [`FEW`] names.
+    indices: HashMap<String, usize>,
+}
+
+impl PartialEq for Names {
+    fn eq(&self, other: &Self) -> bool {
+        self.list == other.list
+    }
+}
+
+impl Names {
+    /// Adds a name, unless it exists. Returns whether it was added.
+    fn add(&mut self, name: &str) -> bool {
+        if self.position(name).is_some() {
+            return false;
+        }
+        self.list.push(name.to_owned());
+        if self.list.len() > FEW {
+            let from = self.indices.len();
+            self.indices.extend(self.list.iter().cloned().zip(0..).skip(from));
+        }
+        true
+    }
+
+    fn position(&self, name: &str) -> Option<usize> {
+        match self.indices.is_empty() {
+            true => self.list.iter().position(|own| own == name),
+            false => self.indices.get(name).copied(),
+        }
+    }
 }
 
 impl<T> Default for Named<T> {
     fn default() -> Self {
-        Self { entries: Vec::new(), indices: None }
-    }
-}
-
-impl<T: PartialEq> PartialEq for Named<T> {
-    fn eq(&self, other: &Self) -> bool {
-        self.entries == other.entries
+        Self { names: Arc::default(), values: Vec::new() }
     }
 }
 
 impl<T> FromIterator<(String, T)> for Named<T> {
     /// Collects entries, whose names must be unique.
     fn from_iter<I: IntoIterator<Item = (String, T)>>(entries: I) -> Self {
-        let entries: Vec<(String, T)> = entries.into_iter().collect();
-        let mut all = Self { entries, indices: None };
-        all.index();
+        let mut all = Self::default();
+        entries.into_iter().for_each(|(name, value)| _ = all.push(&name, value));
         all
     }
 }
@@ -39,86 +68,57 @@ impl<T> FromIterator<(String, T)> for Named<T> {
 impl<T> Named<T> {
     /// Entries in order.
     pub fn iter(&self) -> impl Iterator<Item = (&str, &T)> {
-        self.entries.iter().map(|(name, value)| (name.as_str(), value))
+        self.names.list.iter().map(String::as_str).zip(&self.values)
     }
 
     /// Entries in order, with mutable values.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut T)> {
-        self.entries.iter_mut().map(|(name, value)| (name.as_str(), value))
+        self.names.list.iter().map(String::as_str).zip(&mut self.values)
     }
 
     /// Adds an entry. None, without any change, if the name exists.
     pub fn push(&mut self, name: &str, value: T) -> Option<&mut T> {
-        if self.position(name).is_some() {
+        if !Arc::make_mut(&mut self.names).add(name) {
             return None;
         }
-        self.entries.push((name.to_owned(), value));
-        match &mut self.indices {
-            Some(indices) => insert(indices, name, self.entries.len() - 1),
-            None => self.index(),
-        }
-        self.entries.last_mut().map(|(_, value)| value)
-    }
-
-    /// Builds the map of the names if there are many.
-    fn index(&mut self) {
-        if self.entries.len() > FEW {
-            self.indices = Some(map(&self.names()));
-        }
+        self.values.push(value);
+        self.values.last_mut()
     }
 
     /// Name and value of the entry with this index.
     pub fn at_mut(&mut self, index: usize) -> Option<(&str, &mut T)> {
-        self.entries.get_mut(index).map(|(name, value)| (name.as_str(), value))
+        Some((self.names.list.get(index)?, self.values.get_mut(index)?))
     }
 
     /// Index of the entry with this name, and the entry.
     pub fn find(&self, name: &str) -> Option<(usize, &T)> {
-        let index = position(&self.entries, self.indices.as_deref(), name)?;
-        Some((index, &self.entries[index].1))
+        let index = self.position(name)?;
+        Some((index, &self.values[index]))
     }
 
     /// Entry with this name.
     pub fn get(&self, name: &str) -> Option<&T> {
-        self.find(name).map(|(_, value)| value)
+        self.values.get(self.position(name)?)
     }
 
     /// Index of the entry with this name.
     pub fn position(&self, name: &str) -> Option<usize> {
-        self.find(name).map(|(index, _)| index)
+        self.names.position(name)
     }
 
     /// All names, in order.
     pub fn names(&self) -> Vec<&str> {
-        self.entries.iter().map(|(n, _)| n.as_str()).collect()
+        self.names.list.iter().map(String::as_str).collect()
     }
 
     /// Number of entries.
     pub fn len(&self) -> usize {
-        self.entries.len()
+        self.values.len()
     }
 
     /// Whether there is no entry.
     pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-}
-
-/// The map of names to their indices. The code does not depend on the type of the entries.
-fn map(names: &[&str]) -> Arc<HashMap<String, usize>> {
-    Arc::new(names.iter().enumerate().map(|(index, name)| ((*name).to_owned(), index)).collect())
-}
-
-/// Adds a name to the map.
-fn insert(indices: &mut Arc<HashMap<String, usize>>, name: &str, index: usize) {
-    Arc::make_mut(indices).insert(name.to_owned(), index);
-}
-
-/// Index of the entry with this name, from the map if there is one, otherwise by a linear search.
-fn position<T>(entries: &[(String, T)], indices: Option<&HashMap<String, usize>>, name: &str) -> Option<usize> {
-    match indices {
-        Some(indices) => indices.get(name).copied(),
-        None => entries.iter().position(|(n, _)| n == name),
+        self.values.is_empty()
     }
 }
 

@@ -22,7 +22,7 @@ pub fn read_with(kind: &str, text: &str, numbers: &Numbers, into: &mut dyn Keyed
     if text.len() as u64 > LARGEST_DEFINITION {
         let size = text.len();
         let message = format!("the file has {size} bytes, but at most {LARGEST_DEFINITION} bytes are allowed");
-        faults.push(DefinitionError::key(format!("not a valid {kind}"), message));
+        faults.refuse(format!("not a valid {kind}"), message);
         return faults;
     }
     match parse(kind, text) {

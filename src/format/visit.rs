@@ -2,8 +2,8 @@
 //!
 //! In: a value with its table. Out: each of its numbers with its path. Must not know: what a number means.
 use super::keys::{Key, Keyed, Slot};
+use super::named::Named;
 use crate::variables::Unit;
-use std::collections::HashSet;
 
 /// A number of a definition.
 pub struct Number<'n> {
@@ -19,9 +19,9 @@ pub struct Number<'n> {
 
 impl Number<'_> {
     /// The unit of the number. `rotary` contains the paths of the rotary elements, which use the second unit.
-    pub fn unit(&self, rotary: &HashSet<String>) -> Unit {
+    pub fn unit(&self, rotary: &Named<()>) -> Unit {
         let end = self.path.match_indices('.').nth(1).map_or(self.path.len(), |(at, _)| at);
-        self.units[usize::from(rotary.contains(&self.path[..end]))]
+        self.units[usize::from(rotary.get(&self.path[..end]).is_some())]
     }
 }
 

@@ -52,7 +52,7 @@ fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Fin
     for ((name, side, remedy), flow) in THROTTLES.into_iter().zip(defaults) {
         let [speed, usual] = [areas(own_bore, own_rod)[side], areas(bore, rod)[side]].map(|area| flow / area);
         if flow > 0.0 && value(name) == Some(flow) && speed < THROTTLED * usual {
-            let message = format!(
+            let message = format_args!(
                 "is {} m3/s, the default value, which suits a bore of {} m: in this cylinder, the flow limits the \
                  piston speed to {} m/s at the rated pressure drop",
                 Decimal(flow),
@@ -117,7 +117,7 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
         if let (Some(one), Some(two)) = (value(name), value(other))
             && !ordered(one, two)
         {
-            let message = format!("is {} Pa, {words} {other} = {} Pa", Decimal(one), Decimal(two));
+            let message = format_args!("is {} Pa, {words} {other} = {} Pa", Decimal(one), Decimal(two));
             all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
         }
     };

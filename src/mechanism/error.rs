@@ -3,6 +3,7 @@ use crate::codec::record::Damaged;
 use crate::integrator::IntegrationError;
 use crate::mechanism::definition::{DefinitionError, Fault, listed};
 use crate::mechanism::linkage::Linkage;
+use crate::mechanism::loads::resolved::NO_HYDRAULICS;
 use crate::mechanism::reduced::{End, Reduced, ReductionError, if_degrees};
 use crate::mechanism::rigid_fem::RigidFemError;
 use crate::numerics::decimal::Decimal;
@@ -47,7 +48,7 @@ pub enum ModelError {
     Overflow { name: String },
     /// A step before initialisation.
     NotInitialised,
-    /// A mechanism with hydraulics in a library of mechanisms without.
+    /// Integral parts of controllers in a library without their code.
     NoHydraulics,
     /// A step size [s] that is not finite and positive.
     StepSize { h: f64 },
@@ -217,11 +218,7 @@ impl fmt::Display for ModelError {
             Self::NotInitialised => {
                 f.write_str("doStep was called before the initialisation: initialise the instance first")
             }
-            Self::NoHydraulics => f.write_str(
-                "the library of this FMU is for mechanisms without hydraulics, integral_gain and force_time_constant, \
-                 but the definition contains a hydraulic circuit, a network or one of these keys: build the FMU again \
-                 from the changed definition, with cargo fmu package",
-            ),
+            Self::NoHydraulics => f.write_str(NO_HYDRAULICS),
             Self::StepSize { h } => write!(f, "step size h = {} s: must be finite and > 0", Decimal(*h)),
             Self::Integration(IntegrationError::StepTooSmall { t, step }) => write!(
                 f,

@@ -20,18 +20,19 @@ pub mod reduced;
 pub mod rigid_fem;
 mod snapshot;
 mod warnings;
+mod with_hydraulics;
 
 pub use crate::integrator::Statistics;
 pub use definition::MOST_STATES;
 pub use error::ModelError;
 pub use model::{INPUT_ORDER, Line, Linearisation, Linearised, Model, NoValue, OUTPUT_ORDER};
-pub use motion::allow_hydraulics;
 pub use motion::fast_forward::{FastForward, Waypoint};
 pub use motion::state::Reached;
 pub use motion::travel_time::TravelTime;
 pub use motion::witness::Pauses;
 pub use outputs::Computed;
 pub use snapshot::Snapshot;
+pub use with_hydraulics::allow_hydraulics;
 
 /// The default mechanism, for tests.
 #[cfg(test)]

@@ -20,13 +20,13 @@ use super::designs::Designs;
 use super::dynamics::inputs::{InputPolynomial, Inputs};
 use super::error::ModelError;
 use super::interface;
-use super::motion::allow_hydraulics;
 use super::motion::state::{Reached, State};
 use super::motion::witness::Pauses;
 use super::outputs::{Computed, ReducedMotion};
 use super::parameters::ParameterValues;
 use super::quantity::{Hydraulic, Output, Quantity};
 use super::warnings::warnings;
+use super::with_hydraulics::allow_hydraulics;
 use crate::codec::sections::Sections;
 use crate::hydraulics::network::outputs::Output as Flow;
 use crate::inspection::Finding;
@@ -333,7 +333,7 @@ impl Model {
             Err(_) => None,
         };
         if let Some(time) = time {
-            if h >= SHORTEST {
+            if h >= SHORTEST && self.untuned.is_some() {
                 self.untuned = None;
             }
             if let Some(drive) = moves {

@@ -15,7 +15,6 @@ use super::motion::contact::Travel;
 use super::reduced::Reduced;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
-use std::collections::HashMap;
 use std::f64::consts::{PI, TAU};
 
 /// Distance of an assembled angle from its guess that is far [rad], and of a position in sizes of the linkage.
@@ -44,7 +43,7 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (name, drive, motion) = drives.find_map(|(name, drive)| Some((name, drive, drive.motion.as_ref()?)))?;
     let unit = if mechanism.turns(drive) { "rad" } else { "m" };
     let [here, there] = [here, there].map(|at| format!("{} {unit}", Decimal::rounded(at)));
-    let message = format!(
+    let message = format_args!(
         "the prescribed motion starts at {there}, but the drive is at {here} at the start: the drive would jump to \
          {there}"
     );
@@ -61,7 +60,7 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
 /// Warn of a wheel that has one number of teeth and two pitch circles.
 fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], all: &mut Vec<Finding>) {
     let positions = linkage.positions(assembled);
-    let mut known: HashMap<(usize, u64), (f64, &str)> = HashMap::new();
+    let mut known: Vec<(usize, f64, f64, &str)> = Vec::new();
     for ((name, defined), coupling) in mechanism.couplings.iter().zip(&linkage.couplings) {
         let (Some(first), Some(second)) = (defined.first_teeth, defined.second_teeth) else { continue };
         let joint = &linkage.joints[coupling.joint];
@@ -73,9 +72,13 @@ fn warn_of_wheels(mechanism: &Mechanism, linkage: &Linkage, assembled: &[f64], a
             ("second", joint.second.body, second, of_second.abs()),
         ];
         for (which, body, teeth, radius) in wheels {
-            let (other, at) = *known.entry((body, teeth.to_bits())).or_insert((radius, name));
+            let same = known.iter().find(|(wheel, count, ..)| (*wheel, *count) == (body, teeth));
+            let Some(&(.., other, at)) = same else {
+                known.push((body, teeth, radius, name));
+                continue;
+            };
             if (radius - other).abs() > SAME * radius {
-                let message = format!(
+                let message = format_args!(
                     "this coupling gives the wheel of {} with {teeth} teeth a pitch radius of {} m, but \
                      couplings.{at} gives this wheel a pitch radius of {} m",
                     linkage.bodies[body].name,
@@ -151,14 +154,14 @@ pub fn of_near_misses(mechanism: &Mechanism, reduced: &Reduced, travel: &Travel)
         return vec![Finding::warning(format_args!("joints.{joint}"), error.to_string(), "")];
     }
     let warning = |miss: &NearMiss| {
-        let message = format!(
+        let message = format_args!(
             "branches of motion almost cross at {}: the lengths miss a crossing by {:.1e} of the size of the mechanism \
              ({:.1e} m), and the motion turns sharply at this position",
             miss.position,
             miss.miss,
             miss.miss * size
         );
-        let remedy = format!(
+        let remedy = format_args!(
             "if the mechanism must continue straight at this position, write \"snap\": {:e} or correct the lengths",
             cure(miss.miss)
         );
@@ -218,7 +221,7 @@ fn warn_of_grounded_loads(mechanism: &Mechanism, linkage: &Linkage, all: &mut Ve
     for (group, name, key, at) in forces.chain(torques) {
         let body = at.split('.').next().unwrap_or_default();
         if linkage.carrier(mechanism, body).is_some_and(|(carrier, _)| carrier == GROUND) {
-            let message = format!("this load acts on {at}, which does not move, so it has no effect");
+            let message = format_args!("this load acts on {at}, which does not move, so it has no effect");
             let remedy = if key == "at" { "give a point that moves" } else { "give a body that moves" };
             all.push(Finding::warning(format_args!("{group}.{name}.{key}"), message, remedy));
         }
@@ -235,7 +238,7 @@ fn warn_of_idle_loads(mechanism: &Mechanism, reduced: &Reduced, all: &mut Vec<Fi
         if load.is_idle() {
             let at = load.displacement_at(reduced.linkage(), &reduced.linkage().positions(&reduced.curve().guess));
             let (words, remedy) = load.idle_words(at, reduced.linkage().size);
-            let message = format!("{words}, so this element never moves the mechanism and only loads the joints");
+            let message = format_args!("{words}, so this element never moves the mechanism and only loads the joints");
             all.push(Finding::warning(format_args!("{group}.{name}"), message, remedy));
         }
     }

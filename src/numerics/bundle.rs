@@ -120,7 +120,10 @@ impl<T: Number> Task for Evaluation<'_, T> {
 
     #[inline(always)]
     fn run<A: Arithmetic>(self) {
-        self.values.iter_mut().zip(self.rows).for_each(|(values, row)| *values = row_at::<A, T>(row, &self.x));
+        // A closure in a function of an iterator might be compiled without the features of the processor.
+        for (values, row) in self.values.iter_mut().zip(self.rows) {
+            *values = row_at::<A, T>(row, &self.x);
+        }
     }
 }
 
@@ -262,10 +265,10 @@ mod tests {
             let rows = functions.each_ref().map(|function| Row::of([function; ROW]));
             let sums: [[f64; ROW]; 3] = sum_at((&rows, 2), &sizes, [x; ROW]);
             let horner = |k: usize| functions[k].iter().rev().fold(0.0, |sum, c| sum * x + c);
-            for part in 0..2 {
+            for (part, sum) in sums[..2].iter().enumerate() {
                 let expected = sizes[0] * horner(part) + sizes[1] * horner(2 + part);
                 // Two terms of 16 powers, each at most 18 in size.
-                prop_assert!((sums[part][0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
+                prop_assert!((sum[0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
             }
             prop_assert_eq!(sums[2], [0.0; ROW]);
         }

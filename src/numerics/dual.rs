@@ -288,19 +288,18 @@ pub trait Differentiable: Number {
     fn slope_of(number: Self::Along) -> Self;
 }
 
-/// The second derivative of [`Dual<2>`] is the derivative by sigma_dot.
 impl Differentiable for f64 {
-    type Along = Dual<2>;
+    type Along = Dual<1>;
 
-    fn held(self) -> Dual<2> {
+    fn held(self) -> Dual<1> {
         Dual::constant(self)
     }
 
-    fn varied(self) -> Dual<2> {
+    fn varied(self) -> Dual<1> {
         Dual::variable(self, 0)
     }
 
-    fn slope_of(number: Dual<2>) -> Self {
+    fn slope_of(number: Dual<1>) -> Self {
         number.slope[0]
     }
 }

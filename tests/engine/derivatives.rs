@@ -3,9 +3,11 @@
 use crate::cams::{ROLLER, oscillating, parsed};
 use crate::characteristics::{POINTS, carriage, gas as gas_spring};
 use crate::couplings::{GEARS, shafts};
+use crate::friction_contacts::TEETH;
 use crate::losses;
+use crate::screws;
 use crate::slots;
-use crate::support::definition::With;
+use crate::support::definition::{With, friction};
 use crate::support::{
     ANDREWS, CRANE, CURVES, FOUR_BAR, GEAR, HYDRAULIC_GEAR, JIB, Run, SL_CRANK, SLIDER_CRANK, TWO_DRIVES, changed,
     reals, values,
@@ -115,6 +117,9 @@ fn states() -> Vec<(String, Run)> {
     };
     let lossy = losses::shafts(0.0, 0.0).with(json!({ "start": { "speed": 20 },
     "springs": { "coil": { "joint": "b", "stiffness": 40, "free_angle": 1.1 } } }));
+    let law = json!({ "friction": friction([0.3, 0.1], [0.05, 0.4]) });
+    let flat = json!({ "follower": "flat", "kinetic_coefficient": 0.2 });
+    let rubbing = parsed(&oscillating("cycloidal", flat)).with(law.clone()).to_string();
     let circuit = changed(HYDRAULIC_GEAR, |m| {
         m["stops"]["downstop"]["enabled"] = json!(false);
         m["friction"]["enabled"] = json!(true);
@@ -131,6 +136,10 @@ fn states() -> Vec<(String, Run)> {
         ("circuit", circuit, [0.0793, 1.0]),
         ("controllers", controlled(14.0), [0.02, 0.03]),
         ("controllers at rest", controlled(0.0), [1e-6, 1e-4]),
+        ("teeth on pins with friction", TEETH.into(), [0.02, 0.2]),
+        ("cam with friction", rubbing, [0.013, 0.05]),
+        ("screw that locks itself", screws::locking(0.05, -0.3).to_string(), [0.02, 0.2]),
+        ("slot with friction", slots::arc(json!({ "static_coefficient": 0.2 })).with(law).to_string(), [0.013, 0.2]),
         ("arc slot", slots::arc(json!({})).with(between_bodies()).to_string(), [0.013, 0.2]),
         ("spline slot", slots::track(slots::on_arc(7), between_bodies()).to_string(), [0.013, 0.2]),
     ] {

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 const TIGHT: f64 = 1e-12;
 
 /// mu(v) according to [HF08] section 4.
-fn coefficient([low, high]: [f64; 2], [first, last]: [f64; 2], v: f64) -> f64 {
+pub fn coefficient([low, high]: [f64; 2], [first, last]: [f64; 2], v: f64) -> f64 {
     if v <= first {
         low * v / first
     } else if v >= last {

@@ -3,6 +3,7 @@
 //! parameters at a step count, not the calls that set them.
 
 use crate::cams::{ROLLER, parsed, translating};
+use crate::friction_contacts::TEETH;
 use crate::support::definition::{With, block, friction, weight};
 use crate::support::{
     ANDREWS, CURVES, FOUR_BAR, GEAR, HYDRAULIC_GEAR, Run, SMOOTH, TWO_DRIVES, changed, reals, replaced, runner,
@@ -127,6 +128,7 @@ fn scenes() -> Vec<Scene> {
         of("a coil over turns", coil, 0.1, 1e-3),
         of("a cam", translating("polynomial_345", parsed(ROLLER)), 1e-2, 1e-4),
         of("gears with losses", losses::shafts(3.0, -1.0).to_string(), 1e-2, 1e-2),
+        of("teeth on pins with friction", TEETH.into(), 1e-2, 1e-2),
         of("a motion by a profile", moved, 1.3e-2, 1.0),
         scene("a circuit", circuit(), 1e-2, 1.0),
         scene("a circuit at rest at a stop", at_rest, 1e-2, 1.0),

@@ -317,3 +317,19 @@ fn a_drive_has_an_efficiency_for_each_direction() {
     Run::new(text.clone()).started().near("slide.acceleration", 2.0 / 3.0, 1e-13);
     Run::new(text.with(json!({ "start": { "speed": -1 } }))).started().near("slide.acceleration", 4.0 / 3.0, 1e-13);
 }
+
+/// Inverse dynamics of the present acceleration gives the present torque, whichever way power flows in the coupling.
+#[test]
+fn a_drive_needs_the_torque_that_it_has() {
+    for (motor, load, speed) in [(3.0, -1.0, 10.0), (3.0, -1.0, -10.0), (-2.0, 4.0, 10.0), (0.1, -5.0, -10.0)] {
+        let mut text = shafts(0.0, load);
+        text["torques"].as_object_mut().unwrap().remove("motor");
+        let text = text.with(json!({
+            "actuators": { "motor": { "joint": "a", "torque": motor } }, "start": { "speed": speed },
+        }));
+        let mut run = Run::new(text).started();
+        let acceleration = run.get("motor.acceleration");
+        run.set("motor.demanded_acceleration", acceleration);
+        run.near("motor.required_force", motor, 1e-10);
+    }
+}

@@ -32,6 +32,7 @@ mod fast_forward;
 mod frames;
 mod friction;
 mod friction_balance;
+mod friction_contacts;
 mod friction_crossings;
 mod gear_retraction;
 mod held_signs;

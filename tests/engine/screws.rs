@@ -1,9 +1,9 @@
 //! Screw drives against closed forms: a carriage, and a jib that a spindle between two points lifts.
 
-use crate::support::definition::{With, arm, block, weight};
+use crate::support::definition::{With, arm, block, friction, weight};
 use crate::support::{Run, Vec2, assert_near, assert_says, changed, refusal, turned};
 use serde_json::{Value, json};
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_2, TAU};
 
 /// A carriage of 30 kg on a slope of 0.4 rad, driven by a screw with a lead of 5 mm and an inertia of 2e-4 kg.m2.
 fn carriage() -> Value {
@@ -126,6 +126,15 @@ fn wrong_screws_are_rejected() {
         m["bodies"]["arm"]["axial_stiffness"] = json!(1e9);
     });
     assert_says(refusal(other_formulation), &["screw", "solver.method = \"reduced\""]);
+    let locking = |m: &mut Value| m["actuators"]["motor"]["backward_efficiency"] = json!(0);
+    let of_screw = ["actuators.motor.backward_efficiency", "inertia", "above 0"];
+    refused(|m| m["actuators"]["motor"] = json!({ "joint": "slide", "backward_efficiency": 0 }), &of_screw);
+    assert_says(
+        refusal(changed(carriage().with(json!({ "actuators": { "motor": { "screw": { "inertia": 0 } } } })), locking)),
+        &of_screw,
+    );
+    let viscous = carriage().with(json!({ "friction": friction([0.1; 2], [0.01, 0.1]) }));
+    assert_says(refusal(changed(viscous, locking)), &["actuators.motor.backward_efficiency", "stick"]);
     refused(|m| m["actuators"]["motor"]["force"] = json!(5), &["actuators.motor", "give torque", "screw"]);
     refused(
         |m| {
@@ -135,4 +144,84 @@ fn wrong_screws_are_rejected() {
         },
         &["actuators.motor.screw", "along a line"],
     );
+}
+
+/// The carriage on a screw of efficiency 0.35 that locks itself, with this torque and speed of the carriage.
+pub fn locking(torque: f64, speed: f64) -> Value {
+    carriage().with(json!({
+        "start": { "speed": speed },
+        "actuators": { "motor": { "torque": torque, "efficiency": 0.35, "backward_efficiency": 0 } },
+    }))
+}
+
+/// A screw that locks itself: upward the nut gets the efficiency times the force of motor and inertia; downward with
+/// the load the motor turns the screw alone, and the load moves with it. The second runs have the load upward.
+#[test]
+fn a_screw_that_locks_itself_carries_its_load() {
+    let (eta, inertia, ratio) = (0.35, 2e-4, TAU / 0.005);
+    let (screw, load) = (inertia * ratio * ratio, 30.0 * 9.81 * 0.4_f64.sin());
+    let limit = load / (eta * ratio);
+    for side in [1.0, -1.0] {
+        for (torque, speed, expected) in [
+            (0.0, 0.0, 0.0),
+            (0.99 * limit, 0.0, 0.0),
+            (1.5 * limit, 0.0, (1.5 - 1.0) * load / (30.0 + eta * screw)),
+            (0.0, 0.2, -load / (30.0 + eta * screw)),
+            (0.0, -0.02, 0.0),
+            (-0.1, 0.0, -0.1 * ratio / screw),
+            (0.05, -0.3, 0.05 * ratio / screw),
+        ] {
+            let gravity = json!({ "gravity": { "up_angle": side * FRAC_PI_2 } });
+            let mut run = Run::new(locking(side * torque, side * speed).with(gravity)).started();
+            let what = format!("torque {torque}, speed {speed}, side {side}");
+            let a = side * expected;
+            assert_near(run.get("slide.acceleration"), a, 1e-9 * load / 30.0, &what);
+            let motion = [torque, expected, speed].iter().any(|x| *x != 0.0) && (expected, speed) != (0.0, 0.0);
+            assert_eq!(run.is("friction.sticking"), !motion, "{what}");
+            // Force on the nut, and that of motor and inertia; the loss is their difference.
+            let [on_nut, of_motor] = [30.0 * expected + load, ratio * torque - screw * expected];
+            if motion {
+                assert_near(run.get("motor.loss_force"), side * (on_nut - of_motor), 1e-8 * load, &what);
+                assert_near(on_nut * (of_motor - eta.recip() * on_nut) * of_motor, 0.0, 1e-8 * load.powi(3), &what);
+            }
+            if speed == 0.0 && torque == 0.0 {
+                let [up, down] = ["forward", "backward"].map(|way| run.get(&format!("motor.breakaway_torque_{way}")));
+                let [up, down] = if side > 0.0 { [up, down] } else { [-down, -up] };
+                assert_near(up, limit, 1e-10 * limit, &what);
+                assert_near(down, 0.0, 1e-10 * limit, &what);
+            }
+            let saved = run.saved();
+            run.steps(5, 0.05);
+            let start = 0.1 + side * speed * 0.05 + 0.5 * a * 0.05 * 0.05;
+            assert_near(run.get("slide.position"), start, 1e-9, &what);
+            assert!(run.get("energy.drift").abs() < 1e-9, "{what}");
+            run.take(&saved);
+            run.steps(5, 0.05);
+            assert_near(run.get("slide.position"), start, 1e-9, &what);
+        }
+    }
+}
+
+/// The torque that a prescribed motion needs moves the screw in the same way.
+#[test]
+fn a_screw_that_locks_itself_follows_a_motion() {
+    let (eta, inertia, ratio) = (0.35, 2e-4, TAU / 0.005);
+    let (screw, load) = (inertia * ratio * ratio, 30.0 * 9.81 * 0.4_f64.sin());
+    for distance in [20.0, -20.0] {
+        let motion = json!({ "profile": "cycloidal", "duration": 1, "distance": distance });
+        let mut text = carriage().with(json!({
+            "actuators": { "motor": { "efficiency": eta, "backward_efficiency": 0, "motion": motion } },
+        }));
+        text["actuators"]["motor"].as_object_mut().unwrap().remove("torque");
+        let mut run = Run::new(text).started();
+        for k in 1..20 {
+            run.step(0.05);
+            let a = distance * TAU * (TAU * 0.05 * f64::from(k)).sin() / ratio;
+            run.near("slide.acceleration", a, 1e-9);
+            let on_nut = 30.0 * a + load;
+            let of_motor = if distance > 0.0 { on_nut / eta } else { 0.0 };
+            run.near("motor.acting_torque", (of_motor + screw * a) / ratio, 1e-10);
+            run.near("energy.drift", 0.0, 1e-9);
+        }
+    }
 }

@@ -9,12 +9,12 @@ use std::f64::consts::FRAC_PI_2;
 const LENGTHS: [f64; 4] = [0.5, 0.15, 0.4, 0.3];
 const GUESS: [f64; 3] = [1.1, 0.411, 1.79];
 
-fn slot(first: &str, second: &str, more: Value) -> Value {
+pub fn slot(first: &str, second: &str, more: Value) -> Value {
     json!({ "type": "slot", "first": first, "second": second }).with(more)
 }
 
 /// The four-bar with gravity, a motor and a speed; links with these names have no mass.
-fn bars(massless: &[&str]) -> Value {
+pub fn bars(massless: &[&str]) -> Value {
     let mut bars = four_bar(LENGTHS, GUESS).with(json!({
         "gravity": weight(), "actuators": { "motor": { "joint": "a", "torque": 0.4 } },
         "start": { "speed": 9 }, "solver": { "tolerance": 1e-12 },

@@ -73,8 +73,8 @@ impl Simulation {
         self.with(|run| Ok(run.time))
     }
 
-    /// Look up the names of variables. With the returned `Names` object, calls of `get` and `set` are faster than with
-    /// names.
+    /// Look up the names of variables. With the `Names` object that `prepare` returns, calls of `get` and `set` are
+    /// faster than with names.
     ///
     /// The method `prepare` raises InputError if a name is not the name of a variable, or if a name occurs twice. The
     /// text of the exception lists the most similar names.
@@ -115,7 +115,7 @@ impl Simulation {
     ///
     /// The method `set` raises InputError if a name is not the name of a variable, if a name occurs twice, or if a
     /// variable is an output. The method `set` raises InputError if a value is out of range, not finite, or of a wrong
-    /// unit, type or shape. If `set` raises InputError, no value has changed.
+    /// unit, type or shape. If `set` raises InputError, `set` has changed no value.
     fn set(&self, names: &Bound<'_, PyAny>, values: &Bound<'_, PyAny>) -> PyResult<()> {
         if let Ok(name) = names.cast::<PyString>() {
             let name = text("names", name)?;
@@ -149,8 +149,8 @@ impl Simulation {
 
     /// Move the mechanism to its start position at the time 0 s, with the present parameters and inputs.
     ///
-    /// The method `initialize` raises SimulationError if the present parameters are not valid, or if the start
-    /// position cannot be reached.
+    /// The method `initialize` raises SimulationError if the present parameters are not valid, or if the mechanism
+    /// cannot reach the start position.
     fn initialize(&self) -> PyResult<()> {
         self.with(|run| {
             run.model.initialize().map_err(refused)?;
@@ -174,8 +174,8 @@ impl Simulation {
         self.with(|run| Ok(find(run.model.interface(), &name).is_ok()))
     }
 
-    /// Advance the simulation by the time `h` [s] > 0, with the present inputs. During the call of `step`, no other
-    /// Python thread runs, because `step` holds the interpreter lock.
+    /// Advance the simulation by the time `h` [s], with the present inputs. The time `h` must be > 0. During the call
+    /// of `step`, no other Python thread runs, because `step` holds the interpreter lock.
     ///
     /// The method `step` raises InputError if `h` is out of range. The method `step` raises SimulationError if the
     /// simulation is not initialised or cannot continue.
@@ -190,7 +190,7 @@ impl Simulation {
     /// line of text for each event at the end of the call. If the simulation has reached `time` without an event, the
     /// list is empty.
     ///
-    /// Ctrl-C takes effect when the call returns, after at most `solver.max_steps` integration steps.
+    /// Ctrl-C takes effect when the call of `run_until` returns, after at most `solver.max_steps` integration steps.
     ///
     /// The method `run_until` raises the same exceptions as `step`.
     #[pyo3(signature = (time, *, at_event = None), text_signature = "($self, time, *, at_event=False)")]
@@ -208,8 +208,8 @@ impl Simulation {
     /// Set a time derivative of an input for the next step only. The argument `order` is 1 for the first derivative
     /// [unit/s], or 2 for the second derivative [unit/s2].
     ///
-    /// The method `set_derivative` raises InputError if no continuous input has the given name, or if the order or the
-    /// value is out of range.
+    /// The method `set_derivative` raises InputError if no continuous input has the given name, or if `order` or
+    /// `derivative` is out of range.
     #[pyo3(signature = (name, derivative, order = None), text_signature = "($self, name, derivative, order=1)")]
     fn set_derivative(
         &self,
@@ -239,8 +239,8 @@ impl Simulation {
 
     /// Return the directional derivatives of outputs. The directional derivative of an output is the sum over all
     /// `inputs` of the partial derivative with respect to the input, multiplied by the seed of the input. Before the
-    /// call of `initialize`, `inputs` can also contain parameters. The derivatives before the call of `initialize` are
-    /// derivatives of the outputs at the start position.
+    /// call of `initialize`, `inputs` can also contain parameters. Before the call of `initialize`,
+    /// `directional_derivative` returns derivatives of the outputs at the start position.
     ///
     /// The method `directional_derivative` raises InputError if a name is not the name of an output or input, or if
     /// the numbers of seeds and inputs differ.
@@ -264,7 +264,7 @@ impl Simulation {
         array(py, &found)
     }
 
-    /// Save the present state of the simulation. The method `restore` continues the simulation from a saved state.
+    /// Save the present state of the simulation. The method `restore` continues a simulation from the saved state.
     fn save(&self) -> PyResult<State> {
         self.with(|run| {
             let snapshot = Mutex::new(run.model.snapshot());

@@ -242,6 +242,7 @@ impl Equations {
 
     /// Lengths of the actuator at which a cushion begins or ends [m], where a step of the integration should end: the
     /// laws are twice continuously differentiable there, not more.
+    #[inline]
     pub fn borders(&self) -> [Option<f64>; 2] {
         let [a, b] = self.per_cushion_length.map(|inverse| (inverse > 0.0).then(|| 1.0 / inverse));
         [a.map(|length| self.closed_length + length), b.map(|length| self.closed_length + self.stroke - length)]

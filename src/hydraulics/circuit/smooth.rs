@@ -5,6 +5,7 @@
 use crate::numerics::dual::Number;
 
 /// max(0, x), rounded over the width w: (x + sqrt(x^2 + w^2)) / 2.
+#[inline]
 pub fn soft<T: Number>(x: T, w: f64) -> T {
     let root = (x.value() * x.value() + w * w).sqrt();
     // Where x < 0 the sum cancels; its product with the difference is w^2.

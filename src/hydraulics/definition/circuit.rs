@@ -132,7 +132,7 @@ impl Circuit {
         let cylinder = &self.cylinder;
         if cylinder.rod >= cylinder.bore {
             let allowed =
-                format!("below cylinder.bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
+                format_args!("below cylinder.bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
             faults.push(DefinitionError::value("cylinder.rod", Decimal(cylinder.rod), allowed));
         }
         for (side, hose, dead) in [
@@ -140,7 +140,7 @@ impl Circuit {
             ("b", self.hose.volume_b, self.chamber_b.dead_volume),
         ] {
             if hose > dead {
-                let allowed = format!(
+                let allowed = format_args!(
                     "at most chamber_{side}.dead_volume = {} m3, because the hose volume is part of the dead volume",
                     Decimal(dead)
                 );
@@ -159,7 +159,7 @@ impl Circuit {
         let pump = &self.pump;
         let band = LEAST_BAND * (pump.max_pressure.abs() + self.fluid.ambient_pressure);
         if pump.max_pressure - pump.full_pressure < band {
-            let allowed = format!(
+            let allowed = format_args!(
                 "larger than pump.full_pressure = {} Pa by at least {} Pa (1e-5 of the absolute pressure), so that \
                  the integration can resolve the fall of the flow",
                 Decimal(pump.full_pressure),

@@ -127,11 +127,12 @@ keys! {
             .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
 
-    /// Friction acts in every revolute joint with a `pin_radius` and in every prismatic joint ([HF08] section 4). With
-    /// the law `viscous`, the coefficient of friction is proportional to the slip speed up to `static_speed`, where the
-    /// coefficient of friction is equal to the static coefficient. With the law `stick`, the coefficient of friction is
-    /// the static coefficient up to `static_speed`, and friction can hold the mechanism at rest. Above `static_speed`,
-    /// the coefficient of friction falls along a cubic curve to the kinetic coefficient at `kinetic_speed`.
+    /// Friction acts in every revolute joint with a `pin_radius`, in every prismatic joint ([HF08] section 4), in every
+    /// slot, and in every cam with a coefficient of friction. With the law `viscous`, the coefficient of friction is
+    /// proportional to the slip speed up to `static_speed`, where the coefficient of friction is equal to the static
+    /// coefficient. With the law `stick`, the coefficient of friction is the static coefficient up to `static_speed`,
+    /// and friction can hold the mechanism at rest. Above `static_speed`, the coefficient of friction falls along a
+    /// cubic curve to the kinetic coefficient at `kinetic_speed`.
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>

@@ -78,7 +78,7 @@ pub(super) fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Re
             }
             None if k == last && angle < TAU * (1.0 - CLOSE) => TAU - angle,
             None if k == last => {
-                let message = format!(
+                let message = format_args!(
                     "the segments before this segment already fill the full revolution ({} rad): remove this segment",
                     Decimal::rounded(angle)
                 );
@@ -107,7 +107,7 @@ pub(super) fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Re
         all.push(Segment { length, distance, law });
     }
     if (angle - TAU).abs() > CLOSE * TAU {
-        let message = format!(
+        let message = format_args!(
             "the angles add up to {} rad instead of {} rad (2 pi): correct the angles, or leave out the angle of the \
              last segment",
             Decimal::rounded(angle),
@@ -116,7 +116,7 @@ pub(super) fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Re
         return refused(format!("{key}.segments"), message);
     }
     if lift.abs() > CLOSE * largest {
-        let message = format!(
+        let message = format_args!(
             "the rises add up to {} {} instead of 0, so the lift does not return to its start: correct the rises, or \
              leave out the rise of the last segment",
             Decimal::rounded(lift),

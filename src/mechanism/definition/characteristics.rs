@@ -85,7 +85,7 @@ pub(super) fn check_damper(key: &str, spring: &Spring) -> Check {
     let ends = function.ends().into_iter().zip([points.first(), points.last()]);
     match ends.filter_map(|([_, slope], point)| Some((slope, point?[0]))).find(|(slope, _)| *slope < 0.0) {
         Some((_, speed)) => {
-            let message = format!(
+            let message = format_args!(
                 "beyond the point at the speed {speed} the curve continues as a straight line, on which the force \
                  changes its sign and drives the motion: add a point beyond the speed {speed}, with a force that is \
                  at least as large in magnitude as at the speed {speed}"
@@ -162,8 +162,9 @@ impl Mechanism {
             };
             if slope == 0.0 && stop.stiffness == 0.0 && last[1] > 0.0 {
                 let (depth, unit) = (Decimal(last[0]), if stop.angle.is_some() { "rad" } else { "m" });
-                let message =
-                    format!("the bumper has a constant force beyond {depth} {unit} of compression, even in an impact");
+                let message = format_args!(
+                    "the bumper has a constant force beyond {depth} {unit} of compression, even in an impact"
+                );
                 let remedy = "add a point at the largest compression of an impact, or add the key stiffness";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
@@ -181,7 +182,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         return;
     }
     if let Some([a, b]) = points.windows(2).find(|pair| pair[1][1] < pair[0][1]).map(|pair| [pair[0][0], pair[1][0]]) {
-        let message = format!(
+        let message = format_args!(
             "the forces fall from the speed {} to the speed {}. In this range the damper force decreases with the \
              speed, which can excite vibrations",
             Decimal(a),
@@ -194,7 +195,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         (points.last().is_some_and(|point| point[0] <= 0.0), "positive"),
     ] {
         if is_missing {
-            let message = format!(
+            let message = format_args!(
                 "the curve has no point at a {word} speed, so the force at {word} speeds continues with the slope at \
                  rest"
             );
@@ -215,7 +216,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     }
     if !(*first..=*last).contains(&0.0) {
         let end = if *first > 0.0 { first } else { last };
-        let message = format!(
+        let message = format_args!(
             "the points do not include the speed 0, so the force at rest is extrapolated with the slope at the \
              speed {}",
             Decimal(*end)
@@ -225,7 +226,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
     for ([value, slope], speed) in function.ends().into_iter().zip([*first, *last]) {
         // With the sign of the speed the force adds to it.
         if slope > 0.0 && value * speed > 0.0 {
-            let message = format!(
+            let message = format_args!(
                 "the forces rise beyond the speed {}: the force of the drive grows with the speed without limit",
                 Decimal(speed)
             );

@@ -1,6 +1,5 @@
 //! Control of a drive: gains, start values of the commands, limits of the force.
 use super::Mechanism;
-use super::refusal::refused;
 use crate::format::{Faults, Range, Role, either, keys, number};
 use crate::variables::Unit::{
     Metre, MetrePerSecond, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerRadianSecond, NewtonMetrePerSecond,
@@ -82,7 +81,7 @@ pub(super) fn check_control(
     faults: &mut Faults,
 ) {
     let key = format!("{key}.control");
-    let mut refuse = |key: String, message: String| faults.keep::<()>(refused(key, message));
+    let mut refuse = |key: String, message: String| faults.refuse(key, message);
     for (name, is_given, what) in [
         ("points", points, "a force-speed curve"),
         ("hydraulics", hydraulics, "a hydraulic circuit"),
@@ -142,7 +141,7 @@ impl Mechanism {
         let states = self.actuators.get(name).and_then(|drive| drive.control.as_ref()).map(Control::states);
         for (index, (state, key)) in (before..).zip(states.into_iter().flatten()) {
             let mut refuse = |message: String| {
-                faults.keep::<()>(refused(format!("actuators.{name}.control.{key}"), message));
+                faults.refuse(format!("actuators.{name}.control.{key}"), message);
             };
             if index >= MOST_CONTROL_STATES {
                 refuse(format!(

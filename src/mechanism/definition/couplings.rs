@@ -74,6 +74,14 @@ keys! {
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
+        /// Cam: coefficient of static friction between cam and follower [1], >= 0. A cam without both coefficients has
+        /// no friction. If only one of the two coefficients is given, the key `friction` states the other one. For a
+        /// roller, give the coefficient of the pin of the roller times its pin radius / `roller_radius`.
+        static_coefficient: Option<f64> => number(One, Range::NonNegative)
+            .parameter(Role::Law, "Coefficient of static friction of the contact of the cam @");
+        /// Cam: coefficient of kinetic friction between cam and follower [1], >= 0.
+        kinetic_coefficient: Option<f64> => number(One, Range::NonNegative)
+            .parameter(Role::Law, "Coefficient of kinetic friction of the contact of the cam @");
         /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of `first_teeth` to `second_teeth`
         /// matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Number of teeth of the \
@@ -174,6 +182,8 @@ impl CouplingKind {
                     "points",
                     "interpolation",
                     "grooved",
+                    "static_coefficient",
+                    "kinetic_coefficient",
                 ],
             ),
             Self::Screw => (&[], &[]),
@@ -188,7 +198,7 @@ impl Coupling {
         for part in 0..3 {
             let refined = |key: Key| {
                 let is_of = match key.name {
-                    _ if key.role == Some(Role::Load) => 2,
+                    _ if matches!(key.role, Some(Role::Load | Role::Law)) => 2,
                     "first_teeth" | "second_teeth" | "first_radius" | "second_radius" | "radius" | "phase" => 0,
                     _ => 1,
                 };
@@ -275,6 +285,20 @@ impl Mechanism {
         }
         if let Some(contact) = &coupling.contact {
             self.point(key("contact"), contact)?;
+        }
+        let coefficients = [
+            ("static_coefficient", coupling.static_coefficient),
+            ("kinetic_coefficient", coupling.kinetic_coefficient),
+        ];
+        if let Some((k, _)) = coefficients.into_iter().find(|(_, value)| value.is_some()) {
+            if self.friction.is_none() {
+                return refused(k, "this key has no effect without friction: add the key friction, or remove this key");
+            }
+            if coupling.grooved == Some(true) {
+                let message = "the friction of a cam acts on the side of the cam only, but a groove has a second side: \
+                               remove this key, or remove grooved";
+                return refused(k, message);
+            }
         }
         if coupling.kind == CouplingKind::Cam {
             coupling.check_cam(&format!("couplings.{name}"))?;

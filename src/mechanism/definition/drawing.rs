@@ -11,7 +11,6 @@ use crate::format::{Aside, DefinitionError, Faults, Key, Named, Number, Role, ke
 use crate::numerics::decimal::Decimal;
 use crate::numerics::plane::{Vec2, cross, turned};
 use crate::variables::Unit;
-use std::collections::{HashMap, HashSet};
 use std::f64::consts::{PI, TAU};
 
 /// Largest difference of a stated value from the drawn one, relative to the size of the drawing, and in rad: the
@@ -128,7 +127,7 @@ impl Mechanism {
         if frames.is_empty() {
             return;
         }
-        let size = frames.values().fold(0.0, |size: f64, (origin, _)| size.max(origin.norm()));
+        let size = frames.iter().fold(0.0, |size: f64, (_, (origin, _))| size.max(origin.norm()));
         let bodies = self.bodies.iter().map(|(_, body)| body.length.unwrap_or(0.0));
         let size = bodies.fold(size, f64::max);
         self.resolve_fixed(&frames, size, faults);
@@ -155,7 +154,7 @@ impl Mechanism {
     }
 
     /// Paths of the elements whose numbers have the second one of two units: those of a joint that turns.
-    pub(super) fn rotary(&self) -> HashSet<String> {
+    pub(super) fn rotary(&self) -> Named<()> {
         let drives = self.actuators.iter().filter(|(_, drive)| self.turns(drive));
         let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(spring.between()));
         let stops = self.stops.iter().filter(|(_, stop)| stop.angle.is_some());
@@ -164,28 +163,32 @@ impl Mechanism {
         let paths = paths.chain(springs.map(|(name, _)| format!("springs.{name}")));
         let paths = paths.chain(stops.map(|(name, _)| format!("stops.{name}")));
         let paths = paths.chain(couplings.map(|(name, _)| format!("couplings.{name}")));
-        paths.chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}"))).collect()
+        paths
+            .chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}")))
+            .map(|path| (path, ()))
+            .collect()
     }
 
     /// Origin and angle of every drawn body, with the ground's; empty if nothing is drawn. Each body then has its
     /// length and its points.
-    fn drawn_frames(&mut self, faults: &mut Faults) -> HashMap<String, (Vec2, f64)> {
-        let mut frames = HashMap::new();
+    fn drawn_frames(&mut self, faults: &mut Faults) -> Named<(Vec2, f64)> {
+        const OF_GROUND: (Vec2, f64) = (Vec2::new(0.0, 0.0), 0.0);
+        let mut frames = Named::default();
         for (name, body) in self.bodies.iter_mut() {
             let Some(drawn) = body.drawn.take() else { continue };
             if let Some(frame) = faults.keep(resolve_body(name, body, drawn)) {
-                frames.insert(name.to_owned(), frame);
+                frames.push(name, if name == GROUND { OF_GROUND } else { frame });
             }
         }
         if !frames.is_empty() {
-            frames.insert(GROUND.into(), (Vec2::zeros(), 0.0));
+            frames.push(GROUND, OF_GROUND);
         }
         frames
     }
 
     /// Angles of fixed bodies, and whether they are drawn where they are fixed.
-    fn resolve_fixed(&mut self, frames: &HashMap<String, (Vec2, f64)>, size: f64, faults: &mut Faults) {
-        let mut angles = HashMap::new();
+    fn resolve_fixed(&mut self, frames: &Named<(Vec2, f64)>, size: f64, faults: &mut Faults) {
+        let mut angles = Named::default();
         for (name, body) in self.bodies.iter() {
             let (Some(to), Some(&(origin, angle))) = (&body.fixed_to, frames.get(name)) else { continue };
             let carrier = to.split('.').next().unwrap_or_default();
@@ -193,34 +196,34 @@ impl Mechanism {
             // A name that there is not is reported by the checks.
             let Ok((_, local)) = self.point(&key, to) else { continue };
             let Some(&(of, own)) = frames.get(carrier) else {
-                let message = format!(
+                let message = format_args!(
                     "{name} has the key drawn, so the body {carrier}, which carries {name}, needs this key too: add \
                      bodies.{carrier}.drawn"
                 );
-                faults.keep::<()>(Err(DefinitionError::key(key, message)));
+                faults.refuse(key, message);
                 continue;
             };
             let off = (of + turned(Vec2::from(local), own) - origin).norm();
             if off > ROUNDING * size {
-                let message = format!(
+                let message = format_args!(
                     "the drawn origin of {name} is {} m away from the point {to}, but must be at this point: correct \
                      one of the two positions",
                     Decimal::rounded(off)
                 );
-                faults.keep::<()>(Err(DefinitionError::key(format_args!("bodies.{name}.drawn.origin"), message)));
+                faults.refuse(format_args!("bodies.{name}.drawn.origin"), message);
             }
             let relative = wrapped(angle - own);
             match body.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message = format!(
+                    let message = format_args!(
                         "the drawing gives {} rad: remove this angle, or correct this angle or the drawing",
                         Decimal::rounded(relative)
                     );
                     let key = format!("bodies.{name}.angle");
-                    faults.keep::<()>(Err(DefinitionError::key(key, message)));
+                    faults.refuse(key, message);
                 }
                 Some(_) => {}
-                None if relative.abs() > ZERO => drop(angles.insert(name.to_owned(), relative)),
+                None if relative.abs() > ZERO => drop(angles.push(name, relative)),
                 None => {}
             }
         }
@@ -232,18 +235,18 @@ impl Mechanism {
     }
 
     /// Angles between the bodies of prismatic joints.
-    fn resolve_joints(&mut self, frames: &HashMap<String, (Vec2, f64)>, faults: &mut Faults) {
+    fn resolve_joints(&mut self, frames: &Named<(Vec2, f64)>, faults: &mut Faults) {
         let angle_of = |point: &str| frames.get(point.split('.').next().unwrap_or_default()).map(|(_, angle)| *angle);
         for (name, joint) in self.joints.iter_mut().filter(|(_, joint)| joint.kind == JointKind::Prismatic) {
             let (Some(first), Some(second)) = (angle_of(&joint.first), angle_of(&joint.second)) else { continue };
             let relative = wrapped(second - first);
             match joint.angle {
                 Some(stated) if wrapped(stated - relative).abs() > ROUNDING => {
-                    let message = format!(
+                    let message = format_args!(
                         "the drawing gives {} rad: remove this angle, or correct this angle or the drawing",
                         Decimal::rounded(relative)
                     );
-                    faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}.angle"), message)));
+                    faults.refuse(format_args!("joints.{name}.angle"), message);
                 }
                 Some(_) => {}
                 None if relative.abs() > ZERO => joint.angle = Some(relative),
@@ -253,7 +256,7 @@ impl Mechanism {
     }
 
     /// A guess of every coordinate that is drawn and that the file does not state; joints that are drawn open.
-    fn resolve_guess(&mut self, frames: &HashMap<String, (Vec2, f64)>, size: f64, faults: &mut Faults) {
+    fn resolve_guess(&mut self, frames: &Named<(Vec2, f64)>, size: f64, faults: &mut Faults) {
         let place = |text: &str| {
             let (origin, angle) = frames.get(text.split('.').next().unwrap_or_default())?;
             let (_, local) = self.point("guess", text).ok()?;
@@ -282,11 +285,11 @@ impl Mechanism {
                 }
             };
             if off > OPEN * size {
-                let message = format!(
+                let message = format_args!(
                     "the second point of the joint is drawn {} m {what}: correct one of the two points",
                     Decimal::rounded(off)
                 );
-                faults.keep::<()>(Err(DefinitionError::key(format_args!("joints.{name}"), message)));
+                faults.refuse(format_args!("joints.{name}"), message);
             }
             if let Some(position) = position.filter(|_| self.guess.get(name).is_none()) {
                 guesses.push((name.to_owned(), position));
@@ -373,8 +376,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
             }
             match body.length {
                 Some(stated) if (stated - length).abs() > ROUNDING * length => {
-                    let message = format!("origin and end are drawn {} m apart", Decimal::rounded(length));
-                    let allowed = format!(
+                    let message = format_args!("origin and end are drawn {} m apart", Decimal::rounded(length));
+                    let allowed = format_args!(
                         "the length in the drawing, because {message}: remove this length, or correct the length or \
                          the drawn points"
                     );

@@ -306,8 +306,8 @@ impl Mechanism {
             // A value that follows from one at fault has no fault of its own.
             if at_fault.insert(one.index) && !one.arguments.iter().any(|argument| at_fault.contains(argument)) {
                 let unit = if one.unit == Unit::One { String::new() } else { format!(" {}", one.unit.name()) };
-                let value = format!("\"{}\" = {}{unit}", fault.text, Decimal(fault.value));
-                let allowed = format!("{}{}{}", fault.allowed, fault.because, self.origin(&one.key));
+                let value = format_args!("\"{}\" = {}{unit}", fault.text, Decimal(fault.value));
+                let allowed = format_args!("{}{}{}", fault.allowed, fault.because, self.origin(&one.key));
                 faults.push(DefinitionError::value(&one.key, value, allowed));
             }
         }

@@ -96,7 +96,7 @@ fn warn_of_table(
     let beyond = |value: f64| (value - high).max(low - value);
     let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
     let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
-    let message = format!(
+    let message = format_args!(
         "the spline overshoots the points: it reaches {} {second} at the {of} {} {first}, but the points lie between \
          {} {second} and {} {second}",
         Decimal::rounded(value),
@@ -123,7 +123,7 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
     let rounded = SHARPNESS * unit / widths[widths.len() / 2].powi(2);
     if rounded > ROUNDED * largest {
         let part = (100.0 * rounded / largest).min(100.0);
-        let message = format!(
+        let message = format_args!(
             "the points have values in steps of {} {of}. At this spacing of the points, the rounding of the values \
              causes up to about {part:.0} % of the acceleration",
             Decimal(unit)

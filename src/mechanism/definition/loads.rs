@@ -53,9 +53,10 @@ keys! {
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
         /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
-        /// Efficiency of the drive for the power flow from the mechanism to the drive [1], > 0 and <= 1. Default: the
-        /// value of the key `efficiency`.
-        backward_efficiency: Option<f64> => number(One, Range::Fraction)
+        /// Efficiency of the drive for the power flow from the mechanism to the drive [1], 0 to 1. Default: the value
+        /// of the key `efficiency`. The value 0 is allowed only for a drive with a `screw` that has an `inertia`: the
+        /// screw locks itself, so that no load on the nut turns the screw.
+        backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
         /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
         /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
@@ -252,6 +253,11 @@ impl Actuator {
     /// Where the drive acts; None if the keys do not state one place.
     pub fn between(&self) -> Option<Between<'_>> {
         Between::of([&self.first, &self.second], &self.joint, [&self.first_body, &self.second_body])
+    }
+
+    /// Whether it has a screw that no load turns.
+    pub fn locks_itself(&self) -> bool {
+        self.backward_efficiency == Some(0.0)
     }
 
     /// Start value of the command of the drive's curve [1].

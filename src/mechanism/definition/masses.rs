@@ -3,7 +3,6 @@
 //! In: a definition whose keys are sound. Out: faults of what needs masses; the definition without what has no effect,
 //! so that nothing that needs masses becomes a variable. It must not know how the motion is found without masses.
 use super::experiment::Method;
-use super::refusal::refused;
 use super::{GROUND, Mechanism};
 use crate::format::{Faults, Named};
 use crate::inspection::Finding;
@@ -56,9 +55,9 @@ impl Mechanism {
             return;
         }
         self.massless.is_massless = true;
-        let remedy = format!("no body has a mass: give a mass to one of {}", self.bodies_without_mass());
+        let remedy = format_args!("no body has a mass: give a mass to one of {}", self.bodies_without_mass());
         let mut refuse = |key: &str, what: &str, or: &str| {
-            faults.keep::<()>(refused(key, format!("{what} needs masses, but {remedy}, or {or}")));
+            faults.refuse(key, format!("{what} needs masses, but {remedy}, or {or}"));
         };
         if self.hydraulics.is_some() {
             refuse("hydraulics", "a hydraulic network", "remove this key and prescribe the motion of a drive");
@@ -77,8 +76,8 @@ impl Mechanism {
         self.leave_out();
         let gone = self.forget_expressions();
         if let Some((key, name)) = gone {
-            let message = format!("this expression uses {name}, which has no effect: {remedy}, or write a number");
-            faults.keep::<()>(refused(key, message));
+            let message = format_args!("this expression uses {name}, which has no effect: {remedy}, or write a number");
+            faults.refuse(key, message);
         }
     }
 
@@ -111,7 +110,7 @@ impl Mechanism {
             take(idle, key("efficiency"), &mut drive.efficiency);
             take(idle, key("points"), &mut drive.points);
             take(idle, key("control"), &mut drive.control);
-            drive.command = None;
+            (drive.command, drive.backward_efficiency) = (None, None);
             if std::mem::take(&mut drive.by_body) {
                 idle.push(key("by_body"));
             }
@@ -124,6 +123,8 @@ impl Mechanism {
         for (name, coupling) in self.couplings.iter_mut() {
             take(idle, format!("couplings.{name}.efficiency"), &mut coupling.efficiency);
             take(idle, format!("couplings.{name}.pretension"), &mut coupling.pretension);
+            coupling.backward_efficiency = None;
+            (coupling.static_coefficient, coupling.kinetic_coefficient) = (None, None);
         }
         for (name, joint) in self.joints.iter_mut() {
             take(idle, format!("joints.{name}.frictionloss"), &mut joint.frictionloss);
@@ -144,12 +145,12 @@ impl Mechanism {
         }
         let bodies = self.bodies_without_mass();
         for key in &self.massless.idle {
-            let remedy = format!("remove this key, or add the key mass to one of the bodies {bodies}");
+            let remedy = format_args!("remove this key, or add the key mass to one of the bodies {bodies}");
             all.push(Finding::warning(key, "has no effect, because no body has a mass", remedy));
         }
         if self.motion_drive().is_none() {
             let message = "no body has a mass and no drive has the key motion, so nothing moves the mechanism in a run";
-            let remedy = format!(
+            let remedy = format_args!(
                 "add the key motion to a drive in actuators, or add the key mass to one of the bodies {bodies}"
             );
             all.push(Finding::warning("bodies", message, remedy));

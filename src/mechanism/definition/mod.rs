@@ -38,6 +38,7 @@ pub use loads::{Actuator, Air, Force, Gas, Gravity, Screw, Spring, Surface, Torq
 pub use masses::{Massless, listed};
 pub use motion::{PrescribedMotion, ProfileKind};
 pub use named_parameter::{NamedParameter, Shared, SharedContents};
+pub use validate::allow_hydraulics;
 
 use crate::format::{self, About, Aside, Element, Faults, Flag, Key, either, element, keys, line, number};
 use crate::hydraulics::definition::Circuit;
@@ -176,7 +177,8 @@ impl Mechanism {
     pub fn sticks(&self) -> bool {
         let loses = self.couplings.iter().any(|(_, coupling)| coupling.efficiency.is_some());
         let rubs = self.joints.iter().any(|(_, joint)| joint.frictionloss.is_some());
-        loses || rubs || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
+        let locks = self.actuators.iter().any(|(_, drive)| drive.locks_itself());
+        loses || rubs || locks || self.friction.is_some_and(|friction| friction.law == FrictionLaw::Stick)
     }
 
     /// Refuse a `snap` that is no small part of the mechanism.
@@ -285,6 +287,15 @@ impl Mechanism {
     /// # Errors
     /// A message with the key, its value and what is allowed.
     pub fn from_json(text: &str) -> Result<Self, DefinitionError> {
+        allow_hydraulics();
+        Self::checked(text)
+    }
+
+    /// [`Self::from_json`], with hydraulics only if [`allow_hydraulics`] was called.
+    ///
+    /// # Errors
+    /// As [`Self::from_json`].
+    pub fn checked(text: &str) -> Result<Self, DefinitionError> {
         let (mechanism, faults) = Self::with_faults(text).unwrap_or_else(|faults| (Self::default(), faults));
         faults.first()?;
         Ok(mechanism)

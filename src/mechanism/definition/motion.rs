@@ -1,7 +1,6 @@
 //! The prescribed motion of a drive, as the file states it.
 use super::Mechanism;
 use super::interpolation::Interpolation;
-use super::refusal::refused;
 use crate::format::{Described, Faults, Key, Keyed, Range, Role, curve, either, keys, number, words};
 use crate::inspection::Finding;
 use crate::numerics::piecewise::Piecewise;
@@ -102,19 +101,19 @@ impl PrescribedMotion {
                 _ => false,
             };
             match (is_stated, wanted.contains(name)) {
-                (false, true) => faults.keep::<()>(refused(key, format_args!("{what} needs {name}: add this key"))),
+                (false, true) => faults.refuse(key, format_args!("{what} needs {name}: add this key")),
                 (true, false) if !is_optional => {
                     let message =
                         format_args!("{what} does not use this key: remove the key, or choose another profile");
-                    faults.keep::<()>(refused(path, message))
+                    faults.refuse(path, message)
                 }
-                _ => None,
+                _ => {}
             };
         }
         let Some(points) = &self.points else { return };
         if points.iter().flatten().any(|value| !value.is_finite()) || self.curve().is_none() {
             let message = "give 2 or more points [time, distance] with finite numbers and ascending times";
-            faults.keep::<()>(refused(format_args!("{key}.points"), message));
+            faults.refuse(format_args!("{key}.points"), message);
         }
     }
 }
@@ -125,7 +124,7 @@ impl Mechanism {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
             let message =
-                format!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
+                format_args!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }

@@ -55,7 +55,7 @@ impl Joint {
                 );
             }
             if !(2..=MOST_POINTS).contains(&points.len()) {
-                let message = format!("has {} points, but must have 2 to {MOST_POINTS}", points.len());
+                let message = format_args!("has {} points, but must have 2 to {MOST_POINTS}", points.len());
                 return refused(format_args!("{key}.path"), message);
             }
             if let Some(k) = (1..points.len()).find(|k| points[*k] == points[k - 1]) {
@@ -73,7 +73,7 @@ impl Joint {
         }
         let (from, to) = (self.from_angle.unwrap_or(0.0), self.to_angle);
         if let Some(to) = to.filter(|to| *to <= from) {
-            let message = format!(
+            let message = format_args!(
                 "the slot ends at {} rad, but starts at {} rad: give a to_angle that is larger than from_angle",
                 Decimal::rounded(to),
                 Decimal::rounded(from)

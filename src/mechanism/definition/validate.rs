@@ -18,6 +18,7 @@ use super::{GROUND, Mechanism};
 use crate::format::{DefinitionError, Faults, Range};
 use crate::variables::Unit;
 use names::{alternatives, check_name, entry};
+pub use network::allow_hydraulics;
 pub(super) use network::idle_keys;
 
 /// Why no cylinder and no screw acts in a slot.
@@ -29,7 +30,7 @@ impl Mechanism {
         self.resolve_drawing(faults);
         faults.keep(check_name("name", &self.name));
         if self.description.chars().any(char::is_control) {
-            let value = format!("\"{}\"", self.description);
+            let value = format_args!("\"{}\"", self.description);
             faults.keep::<()>(Err(DefinitionError::value("description", value, "one line of text")));
         }
         self.check_names(faults);
@@ -46,7 +47,7 @@ impl Mechanism {
         self.check_bodies(faults);
         self.check_joints(faults);
         self.check_drives(faults);
-        self.check_network(faults);
+        self.check_hydraulics(faults);
         self.check_loads(faults);
         self.check_surfaces(faults);
         self.check_stops(faults);
@@ -81,7 +82,7 @@ impl Mechanism {
 
     fn check_bodies(&self, faults: &mut Faults) {
         if self.bodies.get(GROUND).is_none() {
-            faults.keep::<()>(refused("bodies", "the body `ground`, which does not move, is missing: add this body"));
+            faults.refuse("bodies", "the body `ground`, which does not move, is missing: add this body");
         }
         let before = faults.len();
         for (name, body) in self.bodies.iter() {
@@ -141,10 +142,8 @@ impl Mechanism {
                 body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    faults.keep::<()>(refused(
-                        key,
-                        "the bodies are fixed to each other in a circle: fix one of them to another body",
-                    ));
+                    faults
+                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of them to another body");
                 }
             }
         }
@@ -167,15 +166,13 @@ impl Mechanism {
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
                 ("angle", joint.angle, !is_prismatic, no_slide),
                 ("armature", joint.armature, is_slot, no_slot),
-                ("static_coefficient", joint.static_coefficient, is_slot, no_slot),
-                ("kinetic_coefficient", joint.kinetic_coefficient, is_slot, no_slot),
                 ("pin_radius", joint.pin_radius, !is_revolute, no_pin),
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
                 ("kinetic_coefficient", joint.kinetic_coefficient, without, no_friction),
             ] {
                 if value.is_some() && excluded {
-                    faults.keep::<()>(refused(key(k), message));
+                    faults.refuse(key(k), message);
                 }
             }
         }
@@ -186,7 +183,7 @@ impl Mechanism {
             let key = format!("actuators.{name}");
             let Some(is_rotary) = faults.keep(self.check_between(&key, a.between())) else { continue };
             if a.screw.is_some() {
-                let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.screw"), message));
+                let mut refuse = |message: &str| faults.refuse(format_args!("{key}.screw"), message);
                 if is_rotary {
                     refuse(
                         "a screw acts along a line: give the keys \"first\" and \"second\", or name a prismatic joint",
@@ -196,9 +193,14 @@ impl Mechanism {
                     refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
                 }
             }
+            if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
+                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
+                               inertia, or give an efficiency above 0";
+                faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
+            }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
                 if is_given && self.is_in_slot(a) {
-                    faults.keep::<()>(refused(format_args!("{key}.{k}"), CURVED));
+                    faults.refuse(format_args!("{key}.{k}"), CURVED);
                 }
             }
             let turns = is_rotary || a.screw.is_some();
@@ -206,10 +208,10 @@ impl Mechanism {
             if other.is_some() {
                 let message = "a drive in a revolute joint, between two bodies or with a screw has a torque; all other \
                                drives have a force";
-                faults.keep::<()>(refused(&key, format!("give {asked}: {message}")));
+                faults.refuse(&key, format!("give {asked}: {message}"));
             }
             if let Some(circuit) = &a.hydraulics {
-                let mut refuse = |message: &str| faults.keep::<()>(refused(format_args!("{key}.hydraulics"), message));
+                let mut refuse = |message: &str| faults.refuse(format_args!("{key}.hydraulics"), message);
                 if is_rotary {
                     refuse(
                         "a cylinder acts along a line: give the keys \"first\" and \"second\", or name a prismatic \
@@ -248,7 +250,7 @@ impl Mechanism {
             if wrong.is_some() {
                 let message = "a spring in a revolute joint or between two bodies has the key free_angle; all other \
                                springs have the key free_length";
-                faults.keep::<()>(refused(&key, message));
+                faults.refuse(&key, message);
             }
             faults.keep(check_spring(&key, spring, is_rotary));
             faults.keep(check_damper(&key, spring));
@@ -267,11 +269,11 @@ impl Mechanism {
             let (is_body, is_joint) = (self.bodies.get(name).is_some(), self.joints.get(name).is_some());
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
-                let message = format!(
+                let message = format_args!(
                     "the body {name} turns with the body to which it is fixed ({carrier}): remove this key, and guess \
                      the angle of that body"
                 );
-                faults.keep::<()>(refused(key, message));
+                faults.refuse(key, message);
             } else if is_body || is_joint {
                 faults.keep(range.check_in(unit, key, value));
             } else {
@@ -279,10 +281,7 @@ impl Mechanism {
                 let moving = self.bodies.names().into_iter().filter(|name| *name != GROUND);
                 let names: Vec<&str> = moving.chain(slides.map(|(name, _)| name)).collect();
                 let allowed = alternatives("the bodies, prismatic joints and slots", &names, name);
-                faults.keep::<()>(refused(
-                    key,
-                    format!("there is no body, prismatic joint or slot with this name; {allowed}"),
-                ));
+                faults.refuse(key, format!("there is no body, prismatic joint or slot with this name; {allowed}"));
             }
         }
     }
@@ -317,7 +316,7 @@ impl Mechanism {
     fn check_surfaces(&self, faults: &mut Faults) {
         if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
             let message = "drag needs the density and flow of the air: add the key air to the mechanism file";
-            faults.keep::<()>(refused(format_args!("surfaces.{name}"), message));
+            faults.refuse(format_args!("surfaces.{name}"), message);
         }
         for (name, s) in self.surfaces.iter() {
             faults.keep(self.check_surface(name, s));
@@ -400,7 +399,7 @@ impl Mechanism {
             return refused("start.equilibrium", message);
         }
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
-            let message = format!(
+            let message = format_args!(
                 "the oil of actuators.{drive} holds the mechanism at any position: give a start position, and \
                  start_pressure of chamber_a and chamber_b so that the force equals {drive}.holding_force (`cargo \
                  fmu check` prints both forces), or remove hydraulics"

@@ -50,7 +50,7 @@ impl Mechanism {
         self.warn_of_angles(&mut all);
         self.warn_of_lengths(&mut all);
         self.warn_of_sizes(&mut all);
-        self.warn_of_circuit(&mut all);
+        self.warn_of_hydraulics(&mut all);
         self.warn_of_expressions(&mut all);
         all
     }
@@ -68,7 +68,7 @@ impl Mechanism {
                 "mm" => ("m", String::new()),
                 _ => ("rad", format!("write \"rad({text})\" if you mean {number} {unit}, or ")),
             };
-            let message = format!(
+            let message = format_args!(
                 "\"{text}\" is {number} {si}: expressions are in SI units, but numbers of this file are in {unit}"
             );
             let remedy = match text.trim().parse::<f64>() {
@@ -164,14 +164,14 @@ impl Mechanism {
             let size = (high[0] - low[0]).hypot(high[1] - low[1]);
             let away = (x - 0.5 * (low[0] + high[0])).hypot(y - 0.5 * (low[1] + high[1]));
             if size > 0.0 && away > FAR * size {
-                let message = format!(
+                let message = format_args!(
                     "the centre of mass is {} m away from the middle of the body, but the points of the body are at \
                      most {} m apart",
                     Decimal::rounded(away),
                     Decimal::rounded(size)
                 );
                 let unit = if self.file_units.has_millimetres() { "mm" } else { "m" };
-                let remedy = format!("check the unit: lengths are in {unit}, in the frame of the body");
+                let remedy = format_args!("check the unit: lengths are in {unit}, in the frame of the body");
                 all.push(Finding::warning(format_args!("bodies.{name}.center"), message, remedy));
             }
         }
@@ -184,10 +184,13 @@ impl Mechanism {
         }
         let mut warn = |path: &dyn fmt::Display, value: Option<f64>, most: f64| {
             let Some(value) = value.filter(|value| value.abs() > most && Range::Turn.contains(*value)) else { return };
-            let message =
-                format!("{} rad is {} turns", Decimal::rounded(value), Decimal((100.0 * value / TAU).round() / 100.0));
+            let message = format_args!(
+                "{} rad is {} turns",
+                Decimal::rounded(value),
+                Decimal((100.0 * value / TAU).round() / 100.0)
+            );
             let (degrees, radians) = (Decimal(value), Decimal::rounded(value * PI / 180.0));
-            let remedy = format!(
+            let remedy = format_args!(
                 "if you mean {degrees} degrees, write {radians} rad or add \"units\": {{ \"angle\": \"deg\" }}"
             );
             all.push(Finding::warning(path, message, remedy));
@@ -228,7 +231,7 @@ impl Mechanism {
         let (Some(first), Some(last)) = (sizes.first(), sizes.last()) else { return };
         let gap = sizes.windows(2).map(|pair| (pair[1].0 / pair[0].0, pair[1])).max_by(|a, b| a.0.total_cmp(&b.0));
         if let Some((ratio, above)) = gap.filter(|(ratio, _)| *ratio >= APART[0] && last.0 / first.0 >= APART[1]) {
-            let message = format!(
+            let message = format_args!(
                 "{} is {} m long, {} times as long as the next smaller body",
                 above.1,
                 Decimal::rounded(above.0),
@@ -251,7 +254,7 @@ impl Mechanism {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {
             let message =
-                format!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
+                format_args!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,
@@ -268,7 +271,7 @@ impl Mechanism {
             let (mass, inertia) = (body.mass.unwrap_or(0.0), body.inertia.unwrap_or(0.0));
             if mass > 0.0 && size > 0.0 && inertia > STOUT * mass * size * size {
                 let radius = (inertia / mass).sqrt();
-                let message = format!(
+                let message = format_args!(
                     "is {} kg.m2: the radius of gyration is {} m in a body of {} m",
                     Decimal::rounded(inertia),
                     Decimal::rounded(radius),
@@ -282,7 +285,7 @@ impl Mechanism {
         let is_thin = largest.0 > LONG && mass > 0.0 && mass < THIN * largest.0;
         if largest.0 > HUGE || is_thin {
             let of_mass = if is_thin { format!(" and has {} kg", Decimal::rounded(mass)) } else { String::new() };
-            let message = format!("the body is {} m long{of_mass}", Decimal::rounded(largest.0));
+            let message = format_args!("the body is {} m long{of_mass}", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
                 true => "check the lengths, which are in mm",
                 false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",
@@ -299,7 +302,7 @@ impl Mechanism {
         let mut others = self.locks.names();
         others.retain(|other| network.pressure_locks.get(other).is_none());
         let (first, more) = others.split_first()?;
-        let message = format!(
+        let message = format_args!(
             "no lock of the mechanism has this name, so this pressure lock operates no lock; locks without a pressure \
              lock: {first}{}",
             more.iter().map(|other| format!(", {other}")).collect::<String>()
@@ -308,7 +311,7 @@ impl Mechanism {
         Some(Finding::warning(format_args!("hydraulics.pressure_locks.{name}"), message, remedy))
     }
 
-    fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
+    pub(super) fn warn_of_circuit(&self, all: &mut Vec<Finding>) {
         if let Some(network) = &self.hydraulics {
             let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
             all.extend(own.map(|finding| Finding { path: format!("hydraulics.{}", finding.path), ..finding }));

@@ -268,12 +268,16 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn gradient(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<[T; 3], Locked> {
         self.clear_regimes();
         self.mode.direction = direction;
+        let slopes = self.tangent(sigma, sigma_dot)?.map(|evaluation| T::slope_of(evaluation.acceleration));
+        Ok([self.heading(direction, sigma, sigma_dot)?, slopes[0], slopes[1]])
+    }
+
+    /// [`Self::effect`] with its derivatives along sigma, and with those along sigma_dot. No number carries both with
+    /// the derivatives of its own.
+    pub fn tangent(&mut self, sigma: T, sigma_dot: T) -> Result<[Evaluation<T::Along>; 2], Locked> {
         let time = self.time.held();
-        // No number carries both derivatives with those of its own.
-        let by_sigma = self.along([time, sigma.varied(), sigma_dot.held()])?.acceleration;
-        let by_speed = self.along([time, sigma.held(), sigma_dot.varied()])?.acceleration;
-        let value = self.heading(direction, sigma, sigma_dot)?;
-        Ok([value, T::slope_of(by_sigma), T::slope_of(by_speed)])
+        let by_sigma = self.along([time, sigma.varied(), sigma_dot.held()])?;
+        Ok([by_sigma, self.along([time, sigma.held(), sigma_dot.varied()])?])
     }
 
     /// Evaluation at (t, sigma, sigma_dot) in numbers with derivatives along sigma.
@@ -328,7 +332,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     }
 
     /// Let the regimes and signs follow from the state in each evaluation.
-    #[inline]
+    #[inline(always)]
     pub fn clear_regimes(&mut self) {
         self.clear_signs();
         for friction_joint in 0..self.state_loads.map_or(0, |s| s.friction_joints.len()) {
@@ -338,11 +342,6 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
 }
 
 impl EquationOfMotion<'_> {
-    /// [`Self::effect`] with its derivatives along sigma and sigma_dot.
-    pub fn tangent(&mut self, sigma: f64, sigma_dot: f64) -> Result<Evaluation<Dual<2>>, Locked> {
-        self.along([self.time.held(), sigma.varied(), Dual::variable(sigma_dot, 1)])
-    }
-
     /// Scales of sigma and sigma_dot: the length of a motion of the size of one radian; sigma_dot itself, or the part
     /// `floor` of the speed that the present force gives over that length.
     fn scales(&self, sigma_dot: f64, acceleration: f64, floor: f64) -> [f64; 2] {
@@ -353,7 +352,7 @@ impl EquationOfMotion<'_> {
 }
 
 /// Evaluation of the applied loads alone, at (t, sigma, sigma_dot).
-#[inline]
+#[inline(always)]
 fn of_applied_loads<T: Number>(panel_force: &PanelForce, [t, sigma, sigma_dot]: [T; 3]) -> Evaluation<T> {
     let x = panel_force.x(sigma);
     let (acceleration, zero) = (polynomial_at(&panel_force.force, x), T::constant(0.0));
@@ -393,11 +392,12 @@ impl System<3> for EquationOfMotion<'_> {
 
     fn jacobian(&mut self, t: f64, y: &[f64; 3]) -> [[f64; 3]; 3] {
         self.time = t;
-        let Ok(Evaluation { acceleration: a, lost: l }) = self.tangent(y[0], y[1]) else {
+        let Ok([by_sigma, by_speed]) = self.tangent(y[0], y[1]) else {
             self.locked = true;
             return [[f64::NAN; 3]; 3];
         };
-        [[0.0, 1.0, 0.0], [a.slope[0], a.slope[1], 0.0], [l.slope[0], l.slope[1], 0.0]]
+        let row = |of: fn(&Evaluation<Dual<1>>) -> Dual<1>| [of(&by_sigma).slope[0], of(&by_speed).slope[0], 0.0];
+        [[0.0, 1.0, 0.0], row(|found| found.acceleration), row(|found| found.lost)]
     }
 
     fn derivative(&mut self, t: f64, y: &[f64; 3]) -> [f64; 3] {

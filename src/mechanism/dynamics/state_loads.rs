@@ -14,6 +14,7 @@ use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
+use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
@@ -78,6 +79,7 @@ pub struct StateLoadEvaluator<T> {
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
+    #[inline(never)]
     pub fn new(state_loads: Option<&StateLoads>) -> Self {
         let zero = T::constant(0.0);
         let (drives, loads, friction_joints) =
@@ -166,11 +168,27 @@ impl<T: Number> StateLoadEvaluator<T> {
         if let Some(k) = switch.checked_sub(state_loads.efficient) {
             let joint = state_loads.prismatic[k];
             let influence = self.effects.as_flattened()[state_loads.free() + joint];
-            let back = state_loads.friction_joints[joint].back;
-            return 2.0 * back * (self.friction.arm[joint] * influence).value().abs();
+            let friction_joint = state_loads.friction_joints[joint];
+            if friction_joint.kind == FrictionKind::Teeth {
+                return self.effect_of_teeth(state_loads, joint);
+            }
+            return 2.0 * friction_joint.back * (self.friction.arm[joint] * influence).value().abs();
         }
         let efficiency = reduced.loading().drives[state_loads.drives[switch]].efficiency;
         efficiency.map_or(0.0, |eta| (1.0 / eta.backward - eta.forward).abs())
+    }
+
+    /// [`Self::switch_effect`] of the force between teeth, which acts by the friction of the joints that it loads.
+    fn effect_of_teeth(&self, state_loads: &StateLoads, teeth: usize) -> f64 {
+        let (effects, n) = (self.effects.as_flattened(), state_loads.friction_joints.len());
+        let passed = &effects[state_loads.passed()];
+        let of_joint = |(k, group): (usize, &usize)| {
+            let [first, second] = [0, state_loads.groups.count()].map(|axis| passed[(axis + group) * n + teeth]);
+            let arm = self.friction.arm[k] * effects[state_loads.free() + k];
+            arm.value().abs() * (first.value().abs() + second.value().abs())
+        };
+        let all: f64 = state_loads.groups.of.iter().enumerate().map(of_joint).sum();
+        2.0 * self.friction.arm[teeth].value().abs() * all
     }
 
     /// Evaluate at a time t of the step and a state; `panel_force` holds at sigma. The energy balance has the potential
@@ -277,9 +295,7 @@ impl<T: Number> StateLoadEvaluator<T> {
     /// friction, so the mean of two evaluations, driven forward and backward, is the evaluation for the mean of these.
     /// Of static friction mu |R| forward and -mu |R'| backward, the mean is within mu times the mean of R and R'.
     pub fn mix(&mut self, state_loads: &StateLoads, share: T) {
-        // Friction without a law that sticks is 0 at rest.
-        let friction = if state_loads.sticks { state_loads.free() } else { self.loads.len() };
-        let friction = &mut self.loads[friction..];
+        let friction = &mut self.loads[state_loads.free()..];
         let found = self.delivered.iter_mut().chain([&mut self.motion]).chain(self.reactions.as_flattened_mut());
         let found = found.chain(friction);
         for (found, kept) in found.zip(&self.kept) {
@@ -308,8 +324,9 @@ impl<T: Number> StateLoadEvaluator<T> {
         if n == 0 {
             return Ok(bare);
         }
-        if let Some(direction) = breakaway {
-            self.set_static_arms(state_loads, direction);
+        match breakaway {
+            Some(direction) => self.set_static_arms(state_loads, direction),
+            None => losses::turn_forward(&mut self.friction, state_loads),
         }
         let effects = self.effects.as_flattened();
         // This load balances the friction, so sigma_ddot does not depend on friction: the reactions to the load replace
@@ -357,7 +374,8 @@ impl<T: Number> StateLoadEvaluator<T> {
             let v = *slip * sigma_dot * T::constant(friction_joint.radius);
             if self.regimes[j].is_none() {
                 let towards = slip.value() * mode.direction;
-                self.arms[j] = if state_loads.sticks && (mode.breaks_away || is_at_rest(mode, sigma_dot.value())) {
+                let is_friction = state_loads.sticks && friction_joint.kind != FrictionKind::Teeth;
+                self.arms[j] = if is_friction && (mode.breaks_away || is_at_rest(mode, sigma_dot.value())) {
                     friction_joint.law.at_breakaway(towards).times(friction_joint.radius)
                 } else {
                     friction_joint.arm(friction_joint.law.regime_towards(v.value(), towards))

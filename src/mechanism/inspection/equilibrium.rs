@@ -159,7 +159,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
         let displacement = match &loading.loads[load] {
             Load::Separation { .. } => 0.0,
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
-            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } => linkage.size,
+            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Rub { .. } => linkage.size,
             Load::Screw { ratio, .. } => ratio * linkage.size,
             Load::Gravity(acceleration) => {
                 linkage.bodies.iter().map(|body| body.mass).sum::<f64>() * acceleration.norm() * linkage.size

@@ -20,11 +20,12 @@ pub use scene::{
 
 use super::definition::Mechanism;
 use super::model::Model;
-use super::motion::allow_hydraulics;
+use super::with_hydraulics::allow_hydraulics;
 use crate::inspection::{Finding, Inspection};
 
 /// Inspect the text of a definition.
 pub fn inspect(text: &str) -> Inspection {
+    allow_hydraulics();
     let mut out = Inspection::default();
     let (mechanism, faults) = match Mechanism::with_faults(text) {
         Ok(read) => read,
@@ -40,7 +41,6 @@ pub fn inspect(text: &str) -> Inspection {
         out.findings.extend(mechanism.warnings());
         return out;
     }
-    allow_hydraulics();
     match Model::with_mechanism(mechanism.clone(), None) {
         Ok(mut model) => {
             out.findings.extend(model.warnings().iter().cloned());

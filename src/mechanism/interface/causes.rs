@@ -144,10 +144,13 @@ fn pass_to_bases(mechanism: &Mechanism, causes: &mut [Vec<Cause>]) {
 fn raise_static_coefficients(mechanism: &mut Mechanism) {
     let Some(friction) = &mut mechanism.friction else { return };
     friction.static_coefficient = friction.static_coefficient.max(friction.kinetic_coefficient);
-    for (_, joint) in mechanism.joints.iter_mut() {
-        let kinetic = joint.kinetic_coefficient.unwrap_or(friction.kinetic_coefficient);
-        if joint.static_coefficient.unwrap_or(friction.static_coefficient) < kinetic {
-            joint.static_coefficient = Some(kinetic);
+    let joints = mechanism.joints.iter_mut().map(|(_, own)| (&mut own.static_coefficient, own.kinetic_coefficient));
+    let cams = mechanism.couplings.iter_mut().map(|(_, own)| (&mut own.static_coefficient, own.kinetic_coefficient));
+    let cams = cams.filter(|(at_rest, slipping)| at_rest.or(*slipping).is_some());
+    for (at_rest, slipping) in joints.chain(cams) {
+        let slipping = slipping.unwrap_or(friction.kinetic_coefficient);
+        if at_rest.unwrap_or(friction.static_coefficient) < slipping {
+            *at_rest = Some(slipping);
         }
     }
 }
@@ -219,7 +222,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     };
     let law = |l: &'l Loading| l.drives.iter().filter_map(|drive| drive.law.as_ref()).find(|law| law.load == load);
     let mesh = |l: &'l Loading| l.meshes.iter().find(|mesh| mesh.loads.contains(&load));
-    one.loads[load] == other.loads[load]
+    one.loads.get(load) == other.loads.get(load)
         && mesh(one) == mesh(other)
         && law(one) == law(other)
         && constant(one) == constant(other)

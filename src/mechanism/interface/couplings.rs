@@ -2,8 +2,9 @@
 use super::builder::Builder;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::{Freedom, Kind, Second};
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::quantity::{Output, ReactionPart};
-use crate::variables::Unit::{Newton, NewtonMetre, Radian};
+use crate::variables::Unit::{MetrePerSecond, Newton, NewtonMetre, Radian};
 
 /// Outputs of the coupling with this joint.
 pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
@@ -21,11 +22,12 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force_x", "x component of the force", ReactionPart::X);
     add("force_y", "y component of the force", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
+    let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
     if !is_cam {
         let text = "Transmitted force (positive if it drives the second body forward)";
         add("transmitted_force", text, ReactionPart::Moment);
-        let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
-        let Some(friction_joint) = friction_joints.iter().position(|loss| loss.joint == joint) else { return };
+        let is_loss = |own: &FrictionJoint| own.joint == joint && own.kind == FrictionKind::Coupling;
+        let Some(friction_joint) = friction_joints.iter().position(is_loss) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
         let on = [first, " exerts on ", body(j.second.body), " because of the losses in the coupling ", n].concat();
         return match s.linkage.couplings[coupling].second {
@@ -41,4 +43,10 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     let text =
         ["Pressure angle of the cam ", n, ": angle from the direction of the lift to the normal of the cam profile"];
     b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, placed());
+    let Some(friction_joint) = friction_joints.iter().position(|own| own.joint == joint) else { return };
+    let text = ["Friction force along the profile on the follower (clockwise about the cam positive) in the cam ", n];
+    b.output(n, "friction_force", &text, Newton, Output::Friction { friction_joint }, needs);
+    let text = ["Slip speed of the follower on the cam (clockwise about the cam positive) in the cam ", n];
+    let needs = s.slip_speed(friction_joints[friction_joint].load);
+    b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
 }

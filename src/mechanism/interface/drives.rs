@@ -4,7 +4,7 @@ use super::hydraulics;
 use super::needs::{Needs, placed};
 use super::source::Source;
 use crate::mechanism::definition::{Between, ControlState};
-use crate::mechanism::loads::resolved::DriveLaw;
+use crate::mechanism::loads::resolved::{DriveLaw, FrictionJoint, FrictionKind};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
 use crate::variables::Unit::{
@@ -184,6 +184,7 @@ pub(super) fn add(b: &mut Builder) {
     for load in 0..s.loading.drives.len() {
         (first..3).for_each(|order| add_displacement(b, load, order));
         add_one_element(b, load);
+        add_loss(b, load);
         add_acting_force(b, load);
     }
 }
@@ -210,6 +211,18 @@ fn displacement_of(s: &Source, load: usize) -> (&'static str, [Unit; 3]) {
         (false, Load::Slide { .. }) => ("position", [Metre, MetrePerSecond, MetrePerSecondSquared]),
         (false, _) => ("length", [Metre, MetrePerSecond, MetrePerSecondSquared]),
     }
+}
+
+/// The loss of a screw that locks itself.
+fn add_loss(b: &mut Builder, drive: usize) {
+    let s = b.source;
+    let is_own = |own: &FrictionJoint| matches!(own.kind, FrictionKind::Screw { drive: driven, .. } if driven == drive);
+    let mut friction_joints = s.loading.friction.iter().flat_map(|friction| &friction.friction_joints);
+    let Some(friction_joint) = friction_joints.position(is_own) else { return };
+    let name = s.loading.drives[drive].name.as_str();
+    let text = ["Force of the losses on the nut of the screw ", name, ", positive where it increases the stroke"];
+    let needs = Needs { masses: true, ..s.acceleration() };
+    b.output(name, "loss_force", &text, Newton, Output::Friction { friction_joint }, needs);
 }
 
 /// The terms of the mechanism reduced to a drive.

@@ -1,7 +1,6 @@
 //! Variables of model exchange: the continuous states, their derivatives and the event indicators.
 use super::builder::Builder;
 use super::source::Source;
-use crate::mechanism::linkage::Freedom;
 use crate::mechanism::loads::resolved::FrictionKind;
 use crate::mechanism::quantity::{Curve, Indicator, Quantity};
 use crate::variables::Unit::{Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One};
@@ -66,8 +65,12 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
     all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
     let friction_joints = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
-    let by_reaction = friction_joints.filter(|(_, joint)| !matches!(joint.kind, FrictionKind::Constant(_)));
-    let slides = by_reaction.filter(|(_, joint)| s.linkage.joints[joint.joint].freedom != Freedom::Revolute);
+    let slides = friction_joints.filter(|(_, joint)| joint.has_normal_force(&s.linkage));
+    // The loss and the teeth of a coupling have one sign.
+    let is_first = |index: usize, own: usize| {
+        s.loading.friction.iter().all(|f| f.friction_joints[..index].iter().all(|before| before.joint != own))
+    };
+    let slides = slides.filter(|(index, joint)| is_first(*index, joint.joint));
     all.extend(slides.map(|(joint, _)| (Indicator::NormalForce(joint), Newton)));
     let springs = || s.loading.springs.iter().enumerate();
     let stops = s.loading.stops.iter().enumerate();
@@ -95,7 +98,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
     let own = |suffix: &str| [OWNER, ".", suffix].concat();
     let joint_name = |joint: usize| {
         let friction = s.loading.friction.as_ref().map(|friction| &friction.friction_joints[joint]);
-        friction.map_or("", |joint| s.linkage.joints[joint.joint].name.as_str())
+        friction.map_or("", |joint| s.loading.friction_name(&s.linkage, joint))
     };
     match indicator {
         Indicator::End(0) => (

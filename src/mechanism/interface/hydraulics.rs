@@ -10,6 +10,7 @@ use crate::variables::Unit::{
     PerSecond, Watt,
 };
 use crate::variables::Value;
+use std::sync::OnceLock;
 
 /// Force of the drive of a circuit.
 const FORCE: Output = Output::Hydraulic(Hydraulic::Force);
@@ -23,7 +24,20 @@ pub(super) fn add_force(b: &mut Builder, name: &str, cylinder: usize) {
     b.output(name, "force", &text, Newton, output, needs);
 }
 
-pub(super) fn add_inputs(b: &mut Builder) {
+/// Adds the inputs and the outputs. A library that never allows hydraulics does not contain their code.
+static ADD: OnceLock<[fn(&mut Builder); 2]> = OnceLock::new();
+
+/// State that mechanisms may have hydraulics.
+pub fn allow_hydraulics() {
+    ADD.get_or_init(|| [add_inputs, add_outputs]);
+}
+
+/// The inputs (0) or the outputs (1).
+pub(super) fn add(b: &mut Builder, which: usize) {
+    ADD.get().into_iter().for_each(|add| add[which](b));
+}
+
+fn add_inputs(b: &mut Builder) {
     if let Some(system) = &b.source.mechanism.hydraulics {
         for input in flow_inputs(system) {
             let (Some(unit), Some(Value::Real(start))) = (input.unit, input.start) else { continue };
@@ -245,7 +259,7 @@ fn add_network(b: &mut Builder) {
     }
 }
 
-pub(super) fn add(b: &mut Builder) {
+fn add_outputs(b: &mut Builder) {
     add_network(b);
     let s = b.source;
     let (Some(drive), Some((_, name, _))) = (&s.loading.hydraulics, s.mechanism.hydraulic_drive()) else { return };

@@ -25,6 +25,7 @@ use crate::variables::Causality::{CalculatedParameter, Parameter};
 use crate::variables::{Reference, Variables};
 use builder::Builder;
 use causes::{Cause, causes};
+pub use hydraulics::allow_hydraulics;
 use parameters::Known;
 use source::Source;
 pub use terminals::terminals;
@@ -107,7 +108,7 @@ fn build<'a>(
     drives::add_commands(&mut b);
     loads::add_inputs(&mut b);
     drives::add_demands(&mut b);
-    hydraulics::add_inputs(&mut b);
+    hydraulics::add(&mut b, 0);
     drives::add_motion_inputs(&mut b);
     loads::add_airspeed(&mut b);
     loads::add_engagements(&mut b);
@@ -122,7 +123,7 @@ fn build<'a>(
     loads::add_stops(&mut b);
     loads::add_locks(&mut b);
     bodies::add_energy(&mut b);
-    hydraulics::add(&mut b);
+    hydraulics::add(&mut b, 1);
     loads::add_sticking(&mut b);
     bodies::add_small_motion(&mut b);
     known.add(&mut b);

@@ -2,8 +2,9 @@
 //!
 //! In: positions of the bodies. Out: force and moment of a coupling on its two bodies. It must not know definitions,
 //! loads or time.
+use super::cam::Cam;
 use super::coupling::{Coupling, Kind, Second};
-use super::motion::Positions;
+use super::motion::{Positions, Rates};
 use super::structure::{Linkage, Point};
 use crate::numerics::plane::{Vec2, perp};
 
@@ -67,22 +68,14 @@ impl Linkage {
                 Contact { at, force, moment, transmitted, apart: across, inclination: 0.0 }
             }
             (Kind::Cam(cam), second) => {
-                let (follower, pivot) = (joint.second.body, p.point(joint.second));
-                let touching = p.point(Point { body: follower, local: cam.contact });
-                // Velocity of the follower where it touches, for u2_dot = 1.
-                let velocity = match second {
-                    Second::Position { joint, .. } => self.slid(joint, p)[0],
-                    Second::Angle { .. } => perp(touching - pivot),
-                };
-                let Some(face) = cam.face else {
-                    // The centre of a roller moves along the pitch curve, relative to the cam.
-                    let normal = perp(slope * velocity - perp(touching - first)).normalize();
+                let (pivot, [touching, velocity, tangent]) = (p.point(joint.second), self.profile(coupling, cam, p));
+                let normal = perp(tangent);
+                if cam.face.is_none() {
                     let transmitted = scale / normal.dot(&velocity);
                     return Contact { at: touching, force: transmitted * normal, transmitted, ..Contact::default() };
-                };
+                }
                 // A flat face touches where both velocities have one part along its normal. That may be far away, so
                 // the moment about the cam's centre stands for the place.
-                let normal = p.vector(follower, face);
                 let transmitted = match second {
                     Second::Position { .. } => scale / normal.dot(&velocity),
                     Second::Angle { .. } => scale * (slope - 1.0) / normal.dot(&perp(pivot - first)),
@@ -103,6 +96,51 @@ impl Linkage {
                 Contact { at, force, moment: 0.0, transmitted: tangential.abs(), apart, inclination }
             }
         }
+    }
+
+    /// Where the follower of a cam touches: the centre of its roller or a point of its face, the velocity of this point
+    /// for u2_dot = 1, and the unit tangent of the profile, clockwise about the cam, so that its perp points out of it.
+    fn profile(&self, coupling: &Coupling, cam: &Cam, p: &Positions) -> [Vec2; 3] {
+        let joint = &self.joints[coupling.joint];
+        let touching = p.point(Point { body: joint.second.body, local: cam.contact });
+        let velocity = match coupling.second {
+            Second::Position { joint, .. } => self.slid(joint, p)[0],
+            Second::Angle { .. } => perp(touching - p.point(joint.second)),
+        };
+        let tangent = match cam.face {
+            Some(face) => -perp(p.vector(joint.second.body, face)),
+            // The centre of a roller moves along the pitch curve, relative to the cam.
+            None => {
+                let slope = coupling.law.at(self.coupled(coupling, p)[0])[1];
+                (slope * velocity - perp(touching - p.point(joint.first))).normalize()
+            }
+        };
+        [touching, velocity, tangent]
+    }
+
+    /// A point of the line along which cam and follower rub, and its unit direction, clockwise about the cam.
+    pub fn rubbing(&self, coupling: &Coupling, p: &Positions) -> [Vec2; 2] {
+        let Kind::Cam(cam) = &coupling.kind else { return [Vec2::zeros(); 2] };
+        let [touching, _, tangent] = self.profile(coupling, cam, p);
+        [touching - cam.roller * perp(tangent), tangent]
+    }
+
+    /// Velocity of the follower relative to the cam along this line, and its derivative, for these rates.
+    pub fn rubbing_speed(&self, coupling: &Coupling, p: &Positions, (r, a): (&Rates, &Rates)) -> [f64; 2] {
+        let Kind::Cam(cam) = &coupling.kind else { return [0.0; 2] };
+        let joint = &self.joints[coupling.joint];
+        let (disc, follower) = (joint.first.body, joint.second.body);
+        let [touching, center] =
+            [Point { body: follower, local: cam.contact }, joint.first].map(|at| p.motion(r, a, at));
+        let [x, v, second] = [0, 1, 2].map(|order| touching[order] - center[order]);
+        // Of the point of the follower relative to the cam.
+        let speed = v - r.angle[disc] * perp(x);
+        let change = second - a.angle[disc] * perp(x) - r.angle[disc] * perp(v);
+        let tangent = self.profile(coupling, cam, p)[2];
+        let [turn, turn_change] = [r, a].map(|of| cam.roller * (of.angle[follower] - of.angle[disc]));
+        // The tangent of a face turns with it; a roller's centre has no speed along the normal.
+        let leaning = r.angle[follower] * perp(tangent).dot(&speed);
+        [tangent.dot(&speed) + turn, tangent.dot(&change) + leaning + turn_change]
     }
 
     /// Unit vector from the centre of the first wheel to that of the second, and their distance [m].

@@ -10,7 +10,6 @@ use super::structure::{Branch, Freedom, Linkage, Loop, Point, Step};
 use crate::numerics::order;
 use crate::numerics::plane::{Vec2, cross, perp, turned};
 use nalgebra::DMatrix;
-use std::collections::HashMap;
 use std::iter;
 
 /// The side of a loop that is as long as all others together.
@@ -100,7 +99,7 @@ impl Linkage {
         self.cuts.iter().zip(&self.loops).find_map(|(&cut, round)| {
             let joints = || iter::once(cut).chain(round.steps.iter().map(|step| self.tree[step.branch].joint));
             // Each body of the loop has two points of its joints.
-            let mut corners: HashMap<usize, Vec2> = HashMap::new();
+            let mut corners: Vec<(usize, Vec2)> = Vec::new();
             let mut sides: Vec<(f64, Side)> = Vec::new();
             let mut slides = Vec::new();
             for index in joints() {
@@ -110,9 +109,12 @@ impl Linkage {
                     Freedom::Prismatic(axis) => slides.push((index, axis)),
                     Freedom::Revolute => {
                         for point in [joint.first, joint.second] {
-                            match corners.remove(&point.body) {
-                                Some(other) => sides.push(((point.local - other).norm(), Side::Body(point.body))),
-                                None => drop(corners.insert(point.body, point.local)),
+                            match corners.iter().position(|(body, _)| *body == point.body) {
+                                Some(at) => {
+                                    let (body, other) = corners.swap_remove(at);
+                                    sides.push(((point.local - other).norm(), Side::Body(body)));
+                                }
+                                None => corners.push((point.body, point.local)),
                             }
                         }
                     }
@@ -125,7 +127,10 @@ impl Linkage {
                     let joint = &self.joints[index];
                     let across = |end: Point| {
                         let turn = self.bodies[end.body].offset - self.bodies[joint.first.body].offset;
-                        Some(cross(axis, turned(corners.get(&end.body)? - end.local, turn)))
+                        Some(cross(
+                            axis,
+                            turned(corners.iter().find(|(body, _)| *body == end.body)?.1 - end.local, turn),
+                        ))
                     };
                     (Side::Slide(index), (across(joint.second)? - across(joint.first)?).abs())
                 }

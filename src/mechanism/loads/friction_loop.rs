@@ -3,10 +3,12 @@
 //! In: arms of the friction, reactions as affine functions of the friction. Out: magnitudes of the reactions and
 //! friction. It must not know bodies, joints or the law of friction. Source: [HF08] section 4, eqs. (26), (27).
 mod any;
+mod carried;
 mod one_group;
 mod prediction;
 
 use crate::numerics::dual::Number;
+use carried::Values;
 use prediction::Prediction;
 use std::fmt;
 
@@ -78,6 +80,8 @@ pub struct FrictionLoop<T> {
     prediction: Prediction,
     /// What friction adds to the magnitudes of many joints within a step.
     of_sizes: Prediction<Vec<f64>>,
+    /// The loop of the values alone, for numbers that carry derivatives.
+    values: Option<Box<Values>>,
 }
 
 /// Friction and reactions of some joints have no common solution.
@@ -100,8 +104,10 @@ const FEW: u32 = 4;
 
 impl<T: Number> FrictionLoop<T> {
     /// Solver for n joints in a number of groups.
+    #[inline(never)]
     pub fn new(n: usize, groups: usize) -> Self {
         let (zero, unknowns) = (T::constant(0.0), if n == 0 { 0 } else { 1 + 2 * groups });
+        let most = n.max(unknowns);
         Self {
             arm: vec![zero; n],
             size: vec![zero; n],
@@ -115,12 +121,13 @@ impl<T: Number> FrictionLoop<T> {
             change: vec![0.0; unknowns],
             measured: vec![0.0; n],
             last: vec![0.0; n],
-            rest: vec![zero; n],
-            matrix: vec![0.0; n * n],
+            rest: vec![zero; most],
+            matrix: vec![0.0; most * most],
             direction: vec![[0.0; 3]; n],
             iterations: 0,
             prediction: Prediction::default(),
             of_sizes: Prediction::<Vec<f64>>::new(n),
+            values: T::CARRIES.then(|| Box::new(Values::new(n, groups))),
         }
     }
 
@@ -164,6 +171,9 @@ impl<T: Number> FrictionLoop<T> {
     /// # Errors
     /// [`Locked`].
     pub fn solve_at(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
+        if T::CARRIES {
+            return self.solve_carried(balance);
+        }
         let one_group = balance.passed[0].len() == self.arm.len() && !self.has_normal_forces;
         let solved = match self.arm.len() {
             0 => true,

@@ -25,7 +25,7 @@ pub use couplings::Mesh;
 pub use drives::{Drive, DriveLaw, Efficiency};
 use ends::{Hinges, between};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
-pub use hydraulic::{HydraulicDrive, NetworkDrives, PORTS};
+pub use hydraulic::{HydraulicDrive, NO_HYDRAULICS, NetworkDrives, PORTS, allow_hydraulics};
 
 /// All loads of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -197,15 +197,8 @@ impl Loading {
             });
             loads.push(load);
         }
-        let hydraulics = match mechanism.hydraulic_drive() {
-            Some((load, _, circuit)) => {
-                circuit.check()?;
-                Some(HydraulicDrive::new(load, circuit, inputs.len() + drives.len()))
-            }
-            None => None,
-        };
         let first = inputs.len() + drives.len();
-        let network = mechanism.hydraulics.as_ref().map(|network| NetworkDrives::new(network, mechanism, first));
+        let (hydraulics, network) = hydraulic::hydraulic_drives(mechanism, first)?;
         let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
         let mut loading =
             Self { loads, inputs, constants, springs, drives, gravity, hydraulics, network, motion, ..Self::default() };
@@ -314,6 +307,14 @@ impl Loading {
     /// Number of applied loads: those sized by inputs, then those of constant size.
     pub fn sized(&self) -> usize {
         self.inputs.len() + self.constants.len()
+    }
+
+    /// Name of the joint, coupling or drive with this friction.
+    pub fn friction_name<'a>(&'a self, linkage: &'a Linkage, friction: &FrictionJoint) -> &'a str {
+        match friction.kind {
+            FrictionKind::Screw { drive, .. } => &self.drives[drive].name,
+            _ => &linkage.joints[friction.joint].name,
+        }
     }
 
     /// Name of a load for messages.

@@ -60,6 +60,12 @@ pub enum Load {
         /// ratio; else 0.
         lean: f64,
     },
+    /// 1 N along the profile of a cam on its follower, clockwise about the cam, and -1 N on the cam. The rate of S is
+    /// the velocity of the follower along the profile, relative to the cam; S itself is not computed, and is 0.
+    Rub {
+        /// Index of the coupling.
+        coupling: usize,
+    },
     /// 1 N.m on a screw that pushes along a line. S is the screw's angle [rad], `ratio` times the displacement along
     /// the line.
     Screw {
@@ -189,7 +195,7 @@ impl Load {
     /// Displacement at these positions; 0 for gravity.
     pub fn displacement_at(&self, linkage: &Linkage, p: &Positions) -> f64 {
         match *self {
-            Self::Gravity(_) | Self::Separation { .. } => 0.0,
+            Self::Gravity(_) | Self::Separation { .. } | Self::Rub { .. } => 0.0,
             Self::Force { at, direction } => direction.dot(&p.point(at)),
             Self::Pair { first, second, .. } => (p.point(second) - p.point(first)).norm(),
             Self::Torque { body, shift } => p.angle[body] + shift,
@@ -220,6 +226,10 @@ impl Load {
                 sum
             }
             Self::Separation { .. } => [0.0; 3],
+            Self::Rub { coupling } => {
+                let [rate, second] = linkage.rubbing_speed(&linkage.couplings[coupling], p, (&c.rates, &c.second));
+                [0.0, rate, second]
+            }
             Self::Screw { ref along, ratio } => along.displacement(linkage, c).map(|s| ratio * s),
             Self::Force { at, direction } => point(at).map(|d| direction.dot(&d)),
             Self::Pair { is_idle: true, .. }
@@ -282,6 +292,14 @@ impl Load {
                 let apart = contact.separation(lean);
                 for (body, force) in [(joint.first.body, -apart), (joint.second.body, apart)] {
                     act(Wrench { body, force, moment: cross(contact.at - p.origin[body], force) });
+                }
+            }
+            Self::Rub { coupling } => {
+                let coupling = &linkage.couplings[coupling];
+                let joint = &linkage.joints[coupling.joint];
+                let [on, along] = linkage.rubbing(coupling, p);
+                for (body, force) in [(joint.first.body, -along), (joint.second.body, along)] {
+                    act(Wrench { body, force, moment: cross(on - p.origin[body], force) });
                 }
             }
             Self::Screw { ref along, ratio } => along.exert(linkage, p, &mut |Wrench { body, force, moment }| {

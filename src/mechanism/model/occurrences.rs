@@ -123,8 +123,7 @@ impl Told {
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
             What::BreaksAway => event("the mechanism breaks away from static friction".to_owned()),
             What::Regime { joint, regime } => {
-                let load = loading.friction.as_ref()?.acting().nth(joint)?.joint;
-                let joint = &reduced.linkage().joints[load].name;
+                let joint = loading.friction_name(reduced.linkage(), loading.friction.as_ref()?.acting().nth(joint)?);
                 Some((true, format!("friction in the joint {joint} becomes {}", word(regime))))
             }
         }

@@ -19,7 +19,7 @@ static SHARED: Mutex<Vec<Entry>> = Mutex::new(Vec::new());
 
 impl Model {
     /// [`Self::with_tables`], sharing what is as read with the other models of this text. The mechanism has no
-    /// hydraulics, unless [`allow_hydraulics`](crate::mechanism::motion::allow_hydraulics) was called.
+    /// hydraulics, unless [`allow_hydraulics`](crate::mechanism::allow_hydraulics) was called.
     ///
     /// # Errors
     /// As [`Self::with_tables`].
@@ -34,7 +34,7 @@ impl Model {
         if let Some(original) = known() {
             return Ok(Self::of(original));
         }
-        let model = Self::with_mechanism(Mechanism::from_json(text)?, tables)?;
+        let model = Self::with_mechanism(Mechanism::checked(text)?, tables)?;
         let mut all = SHARED.lock().unwrap_or_else(PoisonError::into_inner);
         all.push(Entry { text: text.into(), has_tables, original: Arc::downgrade(&model.original) });
         Ok(model)

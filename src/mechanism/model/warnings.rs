@@ -167,6 +167,13 @@ impl Watched {
         Ok(())
     }
 
+    /// Whether the host is still to be told.
+    #[inline]
+    fn is_pending(&self) -> bool {
+        self.accumulators.is_some_and(|accumulators| accumulators.pending.is_some())
+            || self.contacts.iter().any(|contact| contact.pending.is_some())
+    }
+
     /// A contact that has parted, with its force [N] and time [s], of which the host is not told yet.
     fn take(&mut self) -> Option<(usize, f64, Option<f64>)> {
         self.contacts.iter_mut().find_map(|contact| {
@@ -186,6 +193,12 @@ impl Model {
     /// A warning that came up since the last call; None if there is none.
     #[inline]
     pub fn take_warning(&mut self) -> Option<String> {
+        if self.clipped.pending.is_some() || self.watched.is_pending() { self.find_warning() } else { None }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn find_warning(&mut self) -> Option<String> {
         let clipped = self.clipped.pending.take().map(|(input, command)| {
             let network = self.original.reduced.loading().network.as_ref();
             match input.zip(network).and_then(|(input, network)| network.inputs.get(input)) {

@@ -97,7 +97,7 @@ impl<'a> AtRest<'a> {
         let mut equation =
             EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
         match equation.tangent(sigma, 0.0) {
-            Ok(Evaluation { acceleration, .. }) => [acceleration.value, acceleration.slope[0], acceleration.slope[1]],
+            Ok([Evaluation { acceleration: a, .. }, by_speed]) => [a.value, a.slope[0], by_speed.acceleration.slope[0]],
             Err(_) => [f64::NAN; 3],
         }
     }

@@ -23,5 +23,11 @@ pub mod travel_time;
 pub mod witness;
 mod work;
 
-pub use memory::{CircuitState, allow_hydraulics};
+pub use memory::CircuitState;
 pub use saved::{MOST_REVOLUTIONS, SavedState};
+
+/// State that mechanisms may have hydraulics or integral parts of controllers.
+pub fn allow_hydraulics() {
+    memory::allow_hydraulics();
+    state::allow_hydraulics();
+}

@@ -29,7 +29,7 @@ use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::{End, Reduced, StateLoads};
 use arrival::{Arrival, Begin};
-pub use circuit::check_length;
+pub use circuit::{allow_hydraulics, check_length};
 use circuit::{at_vacuum, rough_length};
 pub use inputs::engages;
 use inputs::{Before, engaged_locks};

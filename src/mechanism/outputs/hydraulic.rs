@@ -7,8 +7,27 @@ use crate::hydraulics::network::definition::CAPACITY;
 use crate::mechanism::dynamics::ports::command;
 use crate::mechanism::motion::CircuitState;
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError};
-use crate::mechanism::outputs::view::{Reading, View};
+use crate::mechanism::outputs::view::{HydraulicOutputs, Reading, View};
 use crate::mechanism::quantity::Hydraulic;
+use crate::numerics::dual::Dual;
+use std::sync::OnceLock;
+
+/// Rates of the state of a circuit, network or states of controllers.
+type Rates = fn(&mut View<f64>) -> Result<[f64; CAPACITY], OutputError>;
+static RATES: OnceLock<Rates> = OnceLock::new();
+
+/// State that mechanisms may have hydraulics or states of controllers.
+pub fn allow_hydraulics() {
+    fn of<N: Reading>() {
+        N::hydraulics().get_or_init(|| HydraulicOutputs {
+            circuit: |view, output| view.circuit(output),
+            network: |view, output| view.of_network(output),
+        });
+    }
+    of::<f64>();
+    of::<Dual<1>>();
+    RATES.get_or_init(|| |view| view.find_rates());
+}
 
 impl<'a, N: Reading> View<'a, N> {
     /// Laws and state of the circuit; none without one.
@@ -38,8 +57,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// A quantity of the circuit.
-    #[inline(never)]
-    pub fn circuit(&mut self, output: Hydraulic) -> Result<N, OutputError> {
+    fn circuit(&mut self, output: Hydraulic) -> Result<N, OutputError> {
         let Some((laws, circuit)) = self.own_circuit() else { return Ok(N::constant(0.0)) };
         let energy = |view: &Self, k: usize| view.component_of(circuit, ENERGY + k);
         Ok(match output {
@@ -89,6 +107,10 @@ impl<'a, N: Reading> View<'a, N> {
 impl View<'_, f64> {
     /// Rates of the state of the circuit, network or controllers in time; 0 without one.
     pub fn circuit_rates(&mut self) -> Result<[f64; CAPACITY], OutputError> {
+        RATES.get().map_or(Ok([0.0; CAPACITY]), |rates| rates(self))
+    }
+
+    fn find_rates(&mut self) -> Result<[f64; CAPACITY], OutputError> {
         let mut rates = [0.0; CAPACITY];
         if let Some((drives, network)) = self.own_network() {
             return self.network_rates(drives, network);

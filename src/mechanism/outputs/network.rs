@@ -36,8 +36,7 @@ impl<'a, N: Reading> View<'a, N> {
     }
 
     /// A quantity of the network.
-    #[inline(never)]
-    pub fn of_network(&mut self, output: Output) -> Result<N, OutputError> {
+    pub(super) fn of_network(&mut self, output: Output) -> Result<N, OutputError> {
         let Some((drives, state)) = self.own_network() else { return Ok(N::constant(0.0)) };
         let laws = &drives.laws;
         if let Output::EndForce(cylinder) = output {

@@ -146,6 +146,12 @@ impl<'a, N: Reading> View<'a, N> {
             // Their whole force is among those of springs.
             let springs = state_loads.spring(0)..state_loads.free();
             self.cache.shares.state[springs].fill(N::constant(0.0));
+            // The forces that push teeth apart are those of the transmitted forces, which may be means at rest.
+            for mesh in &loading.meshes {
+                if let Some(teeth) = state_loads.loads.iter().position(|load| mesh.loads.contains(load)) {
+                    self.cache.shares.state[teeth] = N::constant(0.0);
+                }
+            }
         }
         let shares = &mut self.cache.shares;
         shares.acts = !shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant());

@@ -19,6 +19,7 @@ use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite};
 use crate::mechanism::quantity::{Hydraulic, OneElement};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::dual::{Differentiable, Dual, Number};
+use std::sync::OnceLock;
 
 /// The reduced model in one state under the present inputs.
 pub struct View<'a, N: Reading> {
@@ -31,8 +32,14 @@ pub struct View<'a, N: Reading> {
     pub values: N::Values<'a>,
 }
 
+/// Outputs of hydraulics in numbers N. A library that never allows hydraulics does not contain their code.
+pub struct HydraulicOutputs<N: Reading> {
+    pub circuit: fn(&mut View<N>, Hydraulic) -> Result<N, OutputError>,
+    pub network: fn(&mut View<N>, network::Output) -> Result<N, OutputError>,
+}
+
 /// Numbers in which the reduced model is read.
-pub trait Reading: Differentiable {
+pub trait Reading: Differentiable + 'static {
     /// Access to the values beside these numbers.
     type Values<'a>;
 
@@ -41,10 +48,18 @@ pub trait Reading: Differentiable {
     /// # Errors
     /// [`OutputError`].
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError>;
+
+    /// Outputs of hydraulics, in a library that allows hydraulics.
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>>;
 }
 
 impl Reading for f64 {
     type Values<'a> = ();
+
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>> {
+        static OUTPUTS: OnceLock<HydraulicOutputs<f64>> = OnceLock::new();
+        &OUTPUTS
+    }
 
     #[inline(always)]
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
@@ -69,6 +84,11 @@ impl Reading for f64 {
 /// A mechanism that is held stays held, and drives keep their direction, as decided by the values.
 impl Reading for Dual<1> {
     type Values<'a> = &'a mut OutputCache<f64>;
+
+    fn hydraulics() -> &'static OnceLock<HydraulicOutputs<Self>> {
+        static OUTPUTS: OnceLock<HydraulicOutputs<Dual<1>>> = OnceLock::new();
+        &OUTPUTS
+    }
 
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
         let View { reduced, inputs, state, .. } = *view;
@@ -319,6 +339,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(finite(-free / slope))
     }
 
+    #[inline]
     fn impacts(&self, stop: usize) -> Impacts {
         self.state.impacts[stop]
     }
@@ -352,12 +373,14 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         self.drive_term(drive, term)
     }
 
+    #[inline]
     fn hydraulic(&mut self, output: Hydraulic) -> Result<N, OutputError> {
-        self.circuit(output)
+        N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.circuit)(self, output))
     }
 
+    #[inline]
     fn network(&mut self, output: network::Output) -> Result<N, OutputError> {
-        self.of_network(output)
+        N::hydraulics().get().map_or(Ok(N::constant(0.0)), |outputs| (outputs.network)(self, output))
     }
 
     fn kinetic(&self) -> N {

@@ -24,20 +24,25 @@ pub struct Groups {
 }
 
 impl Groups {
-    /// Groups of these joints of a linkage; what is none of them is a group of its own, whose forces are 0.
+    /// Groups of these joints of a linkage; what is none of them is a group of its own, whose forces are 0. A joint
+    /// that is named before, and an index above those of all joints, is a group of its own.
     pub fn new(linkage: &Linkage, joints: impl Iterator<Item = Option<usize>>) -> Self {
         let all = groups(linkage);
         let mut own = Self { of: Vec::new(), signs: Vec::new(), seconds: Vec::new(), ends: Vec::new() };
         let mut leaders: Vec<Member> = Vec::new();
-        for (i, joint) in joints.enumerate() {
-            let member = joint.map_or(Member { first: NO_JOINT, sign: 1.0, lever: 0.0 }, |joint| all[joint]);
-            let found = leaders.iter().position(|leader| leader.first == member.first);
+        let joints: Vec<Option<usize>> = joints.collect();
+        for (i, &joint) in joints.iter().enumerate() {
+            let alone = |first: usize| Member { first, sign: 1.0, lever: 0.0 };
+            let member = joint.map_or(alone(NO_JOINT), |joint| all.get(joint).copied().unwrap_or(alone(joint)));
+            let is_again = joint.is_some() && joints[..i].contains(&joint);
+            let found = leaders.iter().position(|leader| leader.first == member.first).filter(|_| !is_again);
             let group = found.unwrap_or(leaders.len());
             if found.is_none() {
                 leaders.push(member);
                 own.ends.push([i, i]);
             }
-            let is_revolute = joint.is_none_or(|joint| linkage.joints[joint].freedom == Freedom::Revolute);
+            let is_revolute =
+                joint.is_none_or(|joint| linkage.joints.get(joint).is_some_and(|own| own.freedom == Freedom::Revolute));
             let lever = member.lever - leaders[group].lever;
             own.of.push(group);
             own.signs.push(member.sign * leaders[group].sign);

@@ -109,7 +109,11 @@ impl Source {
         let linkage = self.linkage();
         match load {
             Load::Torque { .. } | Load::Couple { .. } => 1.0,
-            Load::Force { .. } | Load::Pair { .. } | Load::Slide { .. } | Load::Separation { .. } => linkage.size,
+            Load::Force { .. }
+            | Load::Pair { .. }
+            | Load::Slide { .. }
+            | Load::Separation { .. }
+            | Load::Rub { .. } => linkage.size,
             Load::Screw { along, ratio } => ratio * self.size_of(along),
             Load::Gravity(acceleration) => {
                 let mass: f64 = linkage.bodies.iter().map(|b| b.mass).sum();

@@ -143,7 +143,7 @@ impl StateLoads {
             Some(friction) => friction.acting().copied().collect(),
             None => Vec::new(),
         };
-        let loses = friction_joints.iter().any(|joint| joint.kind == FrictionKind::Coupling);
+        let loses = friction_joints.iter().any(FrictionJoint::is_loss);
         let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let by_state = |(index, spring): (usize, &Spring)| {
@@ -163,8 +163,7 @@ impl StateLoads {
         let by_reaction = |joint: &FrictionJoint| !matches!(joint.kind, FrictionKind::Constant(_));
         let groups =
             Groups::new(linkage, friction_joints.iter().map(|joint| Some(joint.joint).filter(|_| by_reaction(joint))));
-        let is_prismatic = |j: &FrictionJoint| by_reaction(j) && linkage.joints[j.joint].freedom != Freedom::Revolute;
-        let prismatic = (0..friction_joints.len()).filter(|&j| is_prismatic(&friction_joints[j])).collect();
+        let prismatic = (0..friction_joints.len()).filter(|&j| friction_joints[j].has_normal_force(linkage)).collect();
         let air = !surfaces.is_empty();
         let mut state_loads = Self {
             drives,
@@ -289,6 +288,7 @@ impl StateLoads {
         if n > 0 {
             self.copy_reactions(source, c, columns.fill(&curve.closure, c, loads, 0), parts);
             self.add_losses(indices, parts);
+            self.add_screws(source, c, indices, parts);
         }
         let of_load = |load: usize| 2 * n * (2 + indices[load])..2 * n * (3 + indices[load]);
         for (value, &load) in values.iter_mut().zip(&self.loads) {
@@ -346,19 +346,36 @@ impl StateLoads {
         }
     }
 
+    /// The force of a screw on its nut is that of the motor and of the commands of its law, less what turns the screw,
+    /// less the loss.
+    fn add_screws(&self, source: &Source, c: &Configuration, indices: &[usize], parts: &mut [f64]) {
+        let (n, linkage, loading) = (self.friction_joints.len(), source.linkage(), &source.loading);
+        for (i, joint) in self.friction_joints.iter().enumerate() {
+            let FrictionKind::Screw { drive, rotor } = joint.kind else { continue };
+            let (rotor, Load::Screw { ratio, .. }) = (&linkage.rotors[rotor], &loading.loads[drive]) else { continue };
+            let mut set = |term: usize, value: f64| parts[2 * n * term + i] = value;
+            set(0, -rotor.mass * linkage.stroke_rate(rotor.stroke, &c.positions, &c.rates));
+            set(1, -rotor.mass * linkage.stroke_second_rate(rotor.stroke, &c.positions, &c.rates, &c.second));
+            set(2 + indices[joint.load], 1.0);
+            let commands = loading.drives[drive].law.iter().flat_map(|law| law.commands());
+            commands.chain([drive]).for_each(|load| set(2 + indices[load], *ratio));
+        }
+    }
+
     /// Copy the components of the reactions of the joints with friction from all columns.
     fn copy_reactions(&self, source: &Source, c: &Configuration, columns: &[Reaction], parts: &mut [f64]) {
         let (joints, n) = (&source.linkage().joints, self.friction_joints.len());
         for (i, (friction_joint, &sign)) in self.friction_joints.iter().zip(&self.groups.signs).enumerate() {
-            let joint = &joints[friction_joint.joint];
+            let Some(joint) = joints.get(friction_joint.joint) else { continue };
             let normal = match joint.freedom {
-                Freedom::Revolute | Freedom::Slot(_) | Freedom::Coupling(_) => None,
+                Freedom::Revolute | Freedom::Coupling(_) => None,
+                Freedom::Slot(index) => Some(perp(c.positions.slots[index].axis)),
                 Freedom::Prismatic(line) => Some(perp(c.positions.vector(joint.first.body, line))),
             };
             if let FrictionKind::Constant(_) = friction_joint.kind {
                 continue;
             }
-            if friction_joint.kind == FrictionKind::Coupling {
+            if let Freedom::Coupling(_) = joint.freedom {
                 for (column, parts) in columns.chunks_exact(joints.len()).zip(parts.chunks_exact_mut(2 * n)) {
                     parts[i] = sign * column[friction_joint.joint].moment;
                 }

@@ -151,7 +151,8 @@ impl Reduced {
         let c = self.curve().configuration(sigma);
         let columns = columns(&self.curve().closure, &c, &[]);
         let joints = self.loading().friction.iter().flat_map(|friction| &friction.friction_joints);
-        let joints = joints.filter(|joint| !matches!(joint.kind, FrictionKind::Constant(_)));
+        let is_constant = |joint: &FrictionJoint| matches!(joint.kind, FrictionKind::Constant(_));
+        let joints = joints.filter(|own| own.joint < self.linkage().joints.len() && !is_constant(own));
         let weight = |joint: &FrictionJoint| {
             let slip = self.loading().loads[joint.load].influence(self.linkage(), &c).abs();
             joint.law.static_coefficient * joint.radius * slip * columns[0][joint.joint].force.norm()

@@ -36,7 +36,7 @@ impl NodalLoad {
             Load::Torque { body, shift } => Self::Couple([element(GROUND), element(body)], shift),
             Load::Couple { first, second, shift, .. } => Self::Couple([element(first), element(second)], shift),
             // No mesh has a coupling.
-            Load::Separation { .. } | Load::Screw { .. } => return None,
+            Load::Separation { .. } | Load::Rub { .. } | Load::Screw { .. } => return None,
             Load::Slide { joint, .. } => {
                 debug_assert!(joint < linkage.joints.len());
                 return None;

@@ -15,7 +15,7 @@ pub(super) fn warn_of_overlaps(linkage: &Linkage, all: &mut Vec<Finding>) {
         let joint = &linkage.joints[coupling.joint];
         let distance = linkage.hinge_distance(coupling.carrier, joint);
         if first + second > distance * (1.0 + TOUCHING) {
-            let message = format!(
+            let message = format_args!(
                 "the pulleys of this belt have radii of {} and {} m, but their centres are only {} m apart: the \
                  pulleys overlap",
                 Decimal::rounded(first),

@@ -55,7 +55,7 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
                 format!("for a flat face the profile would have a radius of curvature of {} m", told(sharpest.value))
             }
         };
-        let message = format!(
+        let message = format_args!(
             "the cam is undercut at the cam angle {} rad: {what}, so no cam disc has this profile",
             told(sharpest.u1)
         );
@@ -64,7 +64,7 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
     }
     let limit = STEEPEST[usize::from(matches!(cam.guide, Guide::Pivot { .. }))];
     if steepest.value > limit {
-        let message = format!(
+        let message = format_args!(
             "the pressure angle reaches {} rad ({} deg) at the cam angle {} rad, but at most {} deg are usual: the \
              cam pushes the follower strongly sideways",
             told(steepest.value),

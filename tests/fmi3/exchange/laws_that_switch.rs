@@ -9,6 +9,8 @@ const INTEGRATING: &str = include_str!("../../fixtures/integrating_drive.json");
 /// A slider-crank that turns against constant friction in its slide and at the wrist, with friction that reactions
 /// cause if it is enabled.
 const TURNING: &str = include_str!("../../fixtures/turning_friction.json");
+/// Gears with a pressure angle on pins with friction, with a spring.
+const TEETH: &str = include_str!("../../fixtures/rubbing_teeth.json");
 /// A crank whose coupler runs in a curved track, held by a detent, with a drive with losses between two bodies.
 const TRACK: &str = include_str!("../../fixtures/track_with_detent.json");
 
@@ -81,6 +83,30 @@ fn friction_changes_its_direction_at_an_event() {
         }
         assert!(fmu.get(["crank.angle"])[0] > 10.0);
     }
+}
+
+/// The teeth of gears press shafts onto pins with friction. The other flanks bear where the force between the teeth
+/// passes 0, which is an event.
+#[test]
+fn teeth_change_flanks_at_an_event() {
+    let fmu = started(TEETH);
+    let mut run = Simulation::open(TEETH).unwrap();
+    run.initialize().unwrap();
+    let mut changed = 0;
+    for k in 1..=8 {
+        let before = fmu.get(["mesh.transmitted_force"])[0];
+        let count = integrate(&fmu, 0.01, 1e-4).len();
+        run.step(0.01).unwrap();
+        let values = fmu.get(["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"]);
+        let exact = ["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"];
+        for (value, exact) in values.into_iter().zip(exact.map(|name| run.get(name).unwrap())) {
+            assert!((value - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{k}: {value} {exact}");
+        }
+        let changes = before * values[2] < 0.0;
+        assert!(!changes || count > 0, "{k}: {count} events");
+        changed += u32::from(changes);
+    }
+    assert!(changed > 0);
 }
 
 /// A block on which static friction acts, with a controller that has an integral part and a limit of its force: the

@@ -37,7 +37,7 @@ def read(source: Source) -> tuple[str, str, str]:
 
 def check(source: Source) -> Report:
     """Check a definition of a mechanism. Return a `Report` with all errors and warnings, and with computed facts about
-    the mechanism. A definition with errors raises no exception.
+    the mechanism. The function `check` raises no exception for a definition with errors.
 
     Args:
         source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an

@@ -27,7 +27,7 @@ class InputTypeError(InputError, TypeError):
 
 
 class MechanismError(LinkageError, ValueError):
-    """The definition contains errors. The attribute `report` contains all findings."""
+    """The definition of a mechanism contains errors. The attribute `report` of the exception contains all findings."""
 
     def __init__(self, report: Report) -> None:
         super().__init__(str(report))
@@ -35,14 +35,15 @@ class MechanismError(LinkageError, ValueError):
 
 
 class SimulationError(LinkageError, RuntimeError):
-    """A simulation cannot start or cannot continue. After `simulate`, the attribute `result` contains the rows up to
-    the end of the simulation."""
+    """A simulation cannot start or cannot continue. After a call of `simulate`, the attribute `result` of the exception
+    contains the rows up to the end of the simulation."""
 
     result: Result | None = None
 
 
 class InternalError(LinkageError, RuntimeError):
-    """An internal error of the package. The Python interpreter continues after the error. Please report the error."""
+    """An internal error of the package. The Python interpreter continues after the error. Please report an internal
+    error."""
 
 
 class LinkageWarning(UserWarning):

@@ -16,8 +16,9 @@ from ._mechanism import Mechanism
 
 
 class Info(dict[str, Any]):
-    """Interface of an FMU or of a definition: variables, units, platforms and requirements. The content is equal to
-    the output of the command `linkage-fmu info --json`. The function `print` shows the interface as a table."""
+    """Interface of an FMU or of a definition: variables, units, platforms and requirements. The content of an `Info`
+    object is equal to the output of the command `linkage-fmu info --json`. The function `print` shows the interface as
+    a table."""
 
     def __init__(self, stated: dict[str, Any], text: str) -> None:
         super().__init__(stated)
@@ -31,11 +32,11 @@ class Info(dict[str, Any]):
 class Validation:
     """Result of the check of an FMU. The condition `if validation:` is true if the FMU has no error."""
 
-    #: List of errors. An FMU with an error cannot be used.
+    #: List of errors of the FMU. An FMU with an error cannot be used.
     errors: tuple[str, ...]
     #: List of warnings: properties of the FMU that are probably mistakes.
     warnings: tuple[str, ...]
-    #: List of requirements that the computer must meet to load the FMU.
+    #: List of requirements of the FMU on the computer that loads the FMU.
     notes: tuple[str, ...]
 
     def __bool__(self) -> bool:
@@ -48,8 +49,8 @@ class Validation:
 
 
 def info(path: str | os.PathLike[str]) -> Info:
-    """Return the variables, units, platforms and requirements of a definition or of an FMU. The FMU can also come from
-    another program.
+    """Return the variables, units, platforms and requirements of a definition or of an FMU. The function `info` can
+    also read an FMU of another program.
 
     Raises:
         InputError: neither an FMU nor a definition exists at the path.

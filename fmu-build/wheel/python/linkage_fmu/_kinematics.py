@@ -25,7 +25,7 @@ class Kinematics:
     example, `kinematics["crank.angle"]` is an array with one angle for each position."""
 
     def __init__(self, names: list[str], table: Array, units: dict[str, str]) -> None:
-        #: Names of the outputs in the result.
+        #: Names of the outputs in the result of `kinematics`.
         self.names = names
         #: Unit of each output.
         self.units = units
@@ -39,8 +39,8 @@ class Kinematics:
         return self._values[name]
 
     def influence(self, of: str, by: str) -> Array:
-        """Return the influence coefficient d(of) / d(by) at each position. The influence coefficient is infinite at a
-        dead centre of `by`.
+        """Return the influence coefficient d(of) / d(by) at each position. The influence coefficient is infinite at
+        positions in which `by` has a dead centre.
 
         Raises:
             InputError: the result does not contain an output with the given name.
@@ -67,7 +67,7 @@ class Kinematics:
         return found
 
     def to_pandas(self) -> pandas.DataFrame:
-        """Return the computed values as a pandas data frame with one row for each position."""
+        """Return the values of the outputs as a pandas data frame with one row for each position."""
         require("pandas")
         import pandas
 

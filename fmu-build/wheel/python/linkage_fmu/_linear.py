@@ -19,7 +19,7 @@ class LinearModel:
     state x consists of one coordinate of the mechanism, the time derivative of this coordinate, and the states of
     controllers."""
 
-    #: Name of the coordinate.
+    #: Name of the coordinate in the state x.
     coordinate: str
     #: Names of the inputs u of the linear model.
     inputs: tuple[str, ...]
@@ -27,15 +27,15 @@ class LinearModel:
     outputs: tuple[str, ...]
     #: Value of the coordinate at the position about which the linear model is valid [rad or m].
     position: float
-    #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration is 0 at an equilibrium.
+    #: Acceleration of the coordinate [rad/s2 or m/s2]. The acceleration of the coordinate is 0 at an equilibrium.
     acceleration: float
-    #: Value of the input that keeps the mechanism at rest [N or N.m]. The value is None if the argument `held_by` was
-    #: not given.
+    #: Value of the input that keeps the mechanism at rest [N or N.m]. Without the argument `held_by`, the attribute
+    #: `holding` is None.
     holding: float | None
-    #: Eigenfrequency of small undamped motions about the position [Hz]. The eigenfrequency is NaN if these motions are
-    #: not oscillations.
+    #: Eigenfrequency of small undamped motions about the position [Hz]. The eigenfrequency is NaN if the small motions
+    #: are not oscillations.
     eigenfrequency: float
-    #: Damping ratio of small motions about the position [1]. The damping ratio is NaN if these motions are not
+    #: Damping ratio of small motions about the position [1]. The damping ratio is NaN if the small motions are not
     #: oscillations.
     damping_ratio: float
     #: Eigenvalues of the linear model [1/s].

@@ -38,9 +38,10 @@ class Variable:
     #: Causality of the variable: `input`, `output`, `parameter`, `calculatedParameter`, `local` or `independent`.
     causality: str
     #: Variability of the variable: `fixed`, `tunable`, `discrete` or `continuous`. The variability states when the
-    #: value can change.
+    #: value of the variable can change.
     variability: str
-    #: Unit of the variable. The unit is `1` for a number without a unit, and empty for a Boolean or an Enumeration.
+    #: Unit of the variable. The unit of the variable is `1` for a number without a unit, and empty for a Boolean or an
+    #: Enumeration.
     unit: str
     #: Start value of an input or a parameter.
     start: StartValue | None
@@ -71,7 +72,8 @@ def example(name: str) -> Mechanism:
 
 
 class Mechanism:
-    """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the model.
+    """A planar mechanism with one degree of freedom, or a hydraulic model. A definition (JSON) describes the mechanism
+    or hydraulic model.
 
     Args:
         source: definition of the mechanism: path of a definition file, of a folder with a definition file, or of an
@@ -108,14 +110,14 @@ class Mechanism:
         return [Variable(**{**own, "items": tuple(own["items"])}) for own in self._model.variables()]
 
     def check(self) -> Report:
-        """Check the definition. The report contains findings (errors and warnings) and computed facts about the
-        mechanism, such as travel, dead centres, strokes and equilibria. The function `print` shows the report in the
-        same form as the command `linkage-fmu check`."""
+        """Check the definition of the mechanism. The returned report contains findings (errors and warnings) and
+        computed facts about the mechanism, such as travel, dead centres, strokes and equilibria. The function `print`
+        shows the report in the same form as the command `linkage-fmu check`."""
         return report(self._kind, self._text, self._shown)
 
     def equilibria(self) -> list[Fact]:
-        """Return all stable and unstable static equilibria along the travel as a list of `Fact` objects. The loads are
-        the loads at the start of a simulation.
+        """Return all stable and unstable static equilibria along the travel as a list of `Fact` objects. The loads in
+        the equilibria are the loads at the start of a simulation.
 
         In each `Fact` object, the quantity `stable position` or `unstable position` is the value of the coordinate at
         the equilibrium [rad or m]. The attribute `of` of the `Fact` object is the name of the coordinate.
@@ -149,17 +151,17 @@ class Mechanism:
             start_time: time at the start of the simulation [s].
             stop_time: time at the end of the simulation [s]. By default, the simulation ends at the stop time of the
                 default experiment.
-            output_interval: time between two rows of the result [s]. The default is the step size of the default
-                experiment. If the result then has more than 1001 rows, the default step size is doubled until the
-                result has at most 1001 rows.
-            relative_tolerance: relative tolerance of the integration. By default, the tolerance of the definition is
-                used.
-            start_values: start values of inputs and parameters, by name. A value is a number in SI units, a text with a
-                unit such as "45 deg", a truth value, or an enumeration item.
+            output_interval: time between two rows of the result [s]. The default of `output_interval` is the step size
+                of the default experiment. If the result would have more than 1001 rows, `simulate` doubles the default
+                step size until the result has at most 1001 rows.
+            relative_tolerance: relative tolerance of the integration. By default, `simulate` uses the tolerance of the
+                definition.
+            start_values: start values of inputs and parameters, by name. A start value is a number in SI units, a text
+                with a unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame with
-                the column or the index `time`. If two rows have the same time, the inputs jump at this time.
-            output: names of the variables to record. By default, all outputs are recorded.
-            set_input_derivatives: True: the simulation also sets the time derivatives of the inputs in `input`.
+                the column or the index `time`. If two rows of `input` have the same time, the inputs jump at this time.
+            output: names of the variables to record. By default, `simulate` records all outputs.
+            set_input_derivatives: if True, the simulation also sets the time derivatives of the inputs in `input`.
 
         Returns:
             A structured numpy array with the field `time` and one field for each variable. Ctrl-C stops a running
@@ -204,7 +206,7 @@ class Mechanism:
         threads: int | None = None,
     ) -> Result:
         """Simulate the mechanism once for each set of start values, on several processor cores. Return the values of
-        the outputs at the stop time of each run.
+        the outputs at the stop time of each simulation.
 
         Args:
             start_values: start values of inputs and parameters, by name. An array or a list contains one number in SI
@@ -218,8 +220,8 @@ class Mechanism:
             A structured numpy array with one row for each run. The fields of the array are the outputs, and the start
             values that differ between the runs. The outputs of a run do not depend on the other runs, and agree with
             the result of `simulate` within the tolerance. If a run fails, all outputs of the run are NaN. If only one
-            output of a run has no value, only this output is NaN. A warning of the class `LinkageWarning` states the
-            number of runs with NaN, and the reason for the first NaN.
+            output of a run has no value, only the output without a value is NaN. A warning of the class
+            `LinkageWarning` states the number of runs with NaN, and the reason for the first NaN.
 
         Raises:
             InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
@@ -243,8 +245,8 @@ class Mechanism:
         return columns
 
     def simulation(self, start_values: Mapping[str, StartValue] | None = None) -> _engine.Simulation:
-        """Return a simulation with the given start values. Your program advances the simulation step by step. Call the
-        method `initialize` of the simulation before the first step.
+        """Return a simulation with the given start values. Your program advances the returned simulation step by step.
+        Call the method `initialize` of the simulation before the first step.
 
         Raises:
             InputError: a name, value or unit in the start values is wrong.
@@ -260,18 +262,18 @@ class Mechanism:
         """Compute positions, influence coefficients and static quantities along the travel of the mechanism, without a
         simulation over time.
 
-        For a mechanism without masses, the result contains only positions and influence coefficients. A prescribed
-        motion has no effect on the result.
+        For a mechanism without masses, the result of `kinematics` contains only positions and influence coefficients. A
+        prescribed motion has no effect on the result of `kinematics`.
 
         Args:
-            count: number of equal parts into which the travel is divided. The result of `kinematics` has `count` + 1
-                positions.
+            count: number of equal parts into which `kinematics` divides the travel. The result of `kinematics` has
+                `count` + 1 positions.
             outputs: names of the outputs in the result. By default, the result of `kinematics` contains all
                 coordinates, lengths, markers, reduced masses and holding forces.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
         Raises:
-            InputError: a name in `outputs` is not the name of an output.
+            InputError: a name in the argument `outputs` is not the name of an output.
             SimulationError: the travel of the mechanism cannot be computed, for example because of a hydraulic circuit.
         """
         from ._kinematics import kinematics
@@ -287,15 +289,15 @@ class Mechanism:
         start_values: Mapping[str, StartValue] | None = None,
     ) -> LinearModel:
         """Linearise the equations of motion at the start position, with the mechanism at rest: x' = A x + B u, y = C x
-        + D u. The state
-        x consists of one coordinate of the mechanism and the time derivative of this coordinate.
+        + D u. The state x consists of one coordinate of the mechanism and the time derivative of the coordinate.
 
         Args:
-            coordinate: name of the coordinate: an angle [rad] or a position [m]. By default, the coordinate is the one
-                in the key `start` of the definition.
+            coordinate: name of the coordinate in the state x: an angle [rad] or a position [m]. By default, the state
+                contains the coordinate in the key `start` of the definition.
             inputs: names of the inputs u of the linear model. By default, u contains all inputs on which the
                 acceleration depends.
-            outputs: names of the outputs y of the linear model. By default, y contains only the coordinate.
+            outputs: names of the outputs y of the linear model. By default, y contains only the coordinate of the state
+                x.
             held_by: name of the input that keeps the mechanism at rest: the force [N] or torque [N.m] of an actuator.
             start_values: start values of inputs and parameters, in the same form as for `simulate`.
 
@@ -317,10 +319,9 @@ class Mechanism:
         held_by: str | None = None,
         start_values: Mapping[str, StartValue] | None = None,
     ) -> list[LinearModel]:
-        """Linearise the equations of motion at `count` + 1 positions of the travel (at most 100001), with the
-        mechanism at rest. All
-        arguments except `count` have the same meaning as the arguments of `linearise`. Ctrl-C takes effect when the
-        call returns.
+        """Linearise the equations of motion at `count` + 1 positions of the travel (at most 100001), with the mechanism
+        at rest. All arguments except `count` have the same meaning as the arguments of `linearise`. Ctrl-C takes effect
+        when the call of `linearise_travel` returns.
         """
         from ._linear import linearise
 
@@ -345,7 +346,7 @@ class Mechanism:
         return Page(self._model.page(self._shown, stop_time, start_values), height)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the definition to a file, and return the path of the file.
+        """Write the definition of the mechanism to a file, and return the path of the file.
 
         Raises:
             OSError: the file cannot be written.
@@ -367,11 +368,11 @@ class Mechanism:
 
         Args:
             path: folder for the FMUs. If the folder does not exist, `package` creates the folder.
-            fmi: FMI version of the FMU: 2, 3 or "both".
+            fmi: FMI version of the FMUs that `package` builds: 2, 3 or "both".
             platforms: platforms on which the FMU can run, such as "x86_64-windows". By default, the FMU runs on the
                 platform of the present computer.
-            animation: True: the FMU contains an animation of the default experiment.
-            results: True: the FMU contains reference results of the default experiment.
+            animation: if True, the FMU contains an animation of the default experiment.
+            results: if True, the FMU contains reference results of the default experiment.
 
         Raises:
             InputError: the Python package contains no compiled library for one of the platforms, or the folder `path`

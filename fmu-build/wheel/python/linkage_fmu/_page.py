@@ -24,13 +24,13 @@ class Page:
         self._height = height
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """Write the page to a file, and return the path of the file."""
+        """Write the web page to a file, and return the path of the file."""
         path = Path(file("path", path))
         path.write_text(self.html, encoding="utf-8")
         return path
 
     def open(self) -> None:
-        """Open the page in the web browser."""
+        """Open the web page in a web browser."""
         with tempfile.NamedTemporaryFile("w", suffix=".html", delete=False, encoding="utf-8") as file:
             file.write(self.html)
         webbrowser.open(Path(file.name).as_uri())

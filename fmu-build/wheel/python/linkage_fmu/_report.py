@@ -17,12 +17,13 @@ class Finding:
 
     #: Severity of the finding: `error` or `warning`.
     severity: str
-    #: Path of the key with the error or warning, such as `bodies.crank.length`. The path is empty if the finding
-    #: concerns the whole file.
+    #: Path of the key with the error or warning, such as `bodies.crank.length`. The attribute `path` is empty if the
+    #: finding concerns the whole file.
     path: str
     #: Description of the error or warning, with the wrong value and the limit.
     message: str
-    #: Correction of the error or warning. The text is empty if the attribute `message` already states the correction.
+    #: Correction of the error or warning. The attribute `remedy` is empty if the attribute `message` already states the
+    #: correction.
     remedy: str
     #: Line number of the finding in the text of the definition. The first line is 1.
     line: int
@@ -56,12 +57,12 @@ class Fact:
 
     #: Topic of the fact, such as `Travel`.
     topic: str
-    #: Name of the coordinate, drive, joint or other element that the fact describes. The name is empty for a fact about
-    #: the whole model.
+    #: Name of the coordinate, drive, joint or other element that the fact describes. The attribute `of` is empty for a
+    #: fact about the whole model.
     of: str
     #: Numbers of the fact, with names and units.
     quantities: tuple[Quantity, ...]
-    #: Additional explanation of the fact in words. The text can be empty.
+    #: Additional explanation of the fact in words. The explanation can be empty.
     text: str
 
     def __getitem__(self, name: str) -> float:
@@ -82,9 +83,9 @@ class Report:
     """All findings (errors and warnings) about a definition, and computed facts about its mechanism. The function
     `print` shows the report in the same form as the command `linkage-fmu check`."""
 
-    #: Name of the model. The name of the model is empty if the definition could not be read.
+    #: Name of the model. The name of the model is empty if the program could not read the definition.
     name: str
-    #: List of errors and warnings.
+    #: List of errors and warnings about the definition.
     findings: tuple[Finding, ...]
     #: List of computed facts about the mechanism, such as travel and dead centres, sorted by topic.
     facts: tuple[Fact, ...]
@@ -93,12 +94,13 @@ class Report:
 
     @property
     def errors(self) -> list[Finding]:
-        """List of errors. A definition with an error cannot be simulated."""
+        """List of errors in the definition. The program cannot simulate a definition with an error."""
         return [finding for finding in self.findings if finding.severity == "error"]
 
     @property
     def warnings(self) -> list[Finding]:
-        """List of warnings. A definition with a warning can be simulated, but probably contains a mistake."""
+        """List of warnings about the definition. The program can simulate a definition with a warning, but the
+        definition probably contains a mistake."""
         return [finding for finding in self.findings if finding.severity == "warning"]
 
     def about(self, topic: str) -> list[Fact]:

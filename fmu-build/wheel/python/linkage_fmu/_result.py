@@ -99,8 +99,8 @@ class Result(np.ndarray[Any, Any]):
 
     def to_pandas(self) -> pandas.DataFrame:
         """Return the result as a pandas data frame. The index of the data frame is the time. For a result of
-        `simulate_many`, the index is the number of the run. The attribute `attrs["units"]` of the data frame contains
-        the units of the columns."""
+        `simulate_many`, the index of the data frame is the number of the run. The attribute `attrs["units"]` of the
+        data frame contains the units of the columns."""
         require("pandas")
         import pandas
 
@@ -118,9 +118,9 @@ class Result(np.ndarray[Any, Any]):
         unit.
 
         Args:
-            names: names of the variables to plot. By default, all variables are plotted.
+            names: names of the variables to plot. By default, `plot` shows all variables.
             x: name of the variable on the horizontal axis.
-            show: True opens a window with the plot.
+            show: if True, `plot` opens a window with the plot.
 
         Raises:
             InputError: the result does not contain a variable with the given name.
@@ -163,7 +163,8 @@ class Result(np.ndarray[Any, Any]):
         in the output of a cell.
 
         Raises:
-            InputError: the inputs of the simulation changed over time. The web page can show only constant inputs.
+            InputError: the inputs of the simulation changed over time. The web page of `animate` can show only constant
+                inputs.
         """
         if self._origin is None or not len(self):
             raise InputError("only a complete result of simulate can be animated, not a part of a result")

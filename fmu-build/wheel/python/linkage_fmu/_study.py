@@ -154,17 +154,17 @@ def sweep(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> pandas.DataFrame:
-    """Simulate all runs of a study. Return a data frame with one row for each run. The row of a failed run states the
-    reason for the failure.
+    """Simulate all runs of a study. Return a data frame with one row for each run of the study. The row of a failed run
+    states the reason for the failure.
 
     Args:
         study: path of a study file, or a dict with the keys of a study. Paths in a study are relative to the folder of
             the study file or, for a dict, to the current folder.
         mechanism: mechanism that `sweep` simulates instead of the mechanism in the key `mechanism` of the study.
         out: folder into which `sweep` writes the results (files runs.parquet and runs.csv).
-        threads: number of threads. By default, one thread runs on each processor core.
-        progress: True shows a progress bar. If `progress` is a function, `sweep` calls this function with two numbers:
-            finished runs and all runs.
+        threads: number of threads of `sweep`. By default, one thread runs on each processor core.
+        progress: If `progress` is True, `sweep` shows a progress bar. If `progress` is a function, `sweep` calls this
+            function with two numbers: finished runs and all runs.
 
     Raises:
         InputError: the study contains an error. The text of the exception describes the error.
@@ -188,14 +188,15 @@ class Optimum:
     responses: dict[str, float]
     #: Responses of the original mechanism.
     present: dict[str, float]
-    #: Largest excess of a response over its limit, divided by the limit. If the best design satisfies all limits,
-    #: `violation` is 0.
+    #: Largest excess of a response of the best design over the limit of this response, divided by the limit. If the
+    #: best design satisfies all limits, `violation` is 0.
     violation: float
     #: Reason for the end of the search.
     ended: str
-    #: All designs that the search has simulated, in the order of the simulations.
+    #: All designs that the search for the best design has simulated, in the order of the simulations.
     evaluations: pandas.DataFrame
-    #: Drawing of the original mechanism and of the best design, as SVG text. The text is empty for a hydraulic model.
+    #: Drawing of the original mechanism and of the best design, as SVG text. The attribute `picture` is empty for a
+    #: hydraulic model.
     picture: str
 
     def _repr_svg_(self) -> str | None:
@@ -210,8 +211,9 @@ def optimise(
     threads: int | None = None,
     progress: bool | Progress = False,
 ) -> Optimum:
-    """Search for the best design of a study. The search needs the Python package SciPy, which the installation with
-    the extra `studies` includes. Without SciPy, `optimise` creates a separate Python environment with SciPy.
+    """Search for the best design of a study. The search of `optimise` needs the Python package SciPy, which the
+    installation with the extra `studies` includes. Without SciPy, `optimise` creates a separate Python environment with
+    SciPy.
 
     The arguments of `optimise` have the same meaning as the arguments of `sweep`.
 

@@ -1,5 +1,5 @@
-"""The module `build` contains functions for short definitions. Points are coordinates of a drawing of the mechanism in
-millimetres. Angles are in degrees.
+"""The module `build` contains functions for short definitions of mechanisms. In the functions of `build`, points are
+coordinates of a drawing of the mechanism in millimetres, and angles are in degrees.
 
 ```python
 from linkage_fmu import Mechanism, build
@@ -20,7 +20,8 @@ press = Mechanism(
 )
 ```
 
-The function `mechanism` returns the definition as a dict. You can add any other key of the file format to the dict.
+The function `mechanism` returns the definition as a dict. You can add any other key of the file format to the returned
+dict.
 """
 
 from __future__ import annotations
@@ -36,8 +37,8 @@ Part = tuple[str, str, dict[str, Any], dict[str, tuple[str, Sequence[float]]]]
 
 
 def body(name: str, mass: float | None = None, inertia: float | None = None, **keys: object) -> Part:
-    """Add a body with its mass [kg] and moment of inertia [kg.m2]. Without `inertia`, a body with two pins is a
-    uniform rod. Further arguments are keys of the body."""
+    """Add a body with its mass [kg] and moment of inertia [kg.m2]. Without the argument `inertia`, a body with two pins
+    is a uniform rod. Further arguments of `body` are keys of the body."""
     _texts(name=name)
     given = {"mass": mass, "inertia": inertia, **keys}
     return "bodies", name, {key: value for key, value in given.items() if value is not None}, {}
@@ -61,8 +62,8 @@ def actuator(
     force: float = 0.0,
     **keys: object,
 ) -> Part:
-    """A linear actuator between two bodies, with a force [N] that is positive if the actuator pushes. Each end is a
-    body and a point of the drawing [mm]."""
+    """A linear actuator between two bodies, with a force [N] that is positive if the actuator pushes. The arguments
+    `first` and `second` each contain a body and a point of the drawing [mm]."""
     _texts(name=name)
     for argument, end in (("first", first), ("second", second)):
         if not isinstance(end, tuple | list) or len(end) != 2:
@@ -99,14 +100,14 @@ def start(body: str, angle: float | None = None, **keys: object) -> Part:
 
 
 def mechanism(name: str, *parts: Part, **keys: object) -> dict[str, Any]:
-    """Return the definition of a mechanism that consists of the given parts. Further arguments are keys of the
-    definition, such as `gravity`.
+    """Return the definition of a mechanism that consists of the given parts. Further arguments of `mechanism` are keys
+    of the definition, such as `gravity`.
 
-    In the definition, the first point of each body has the name `origin`, and the second point has the name `end`. Any
-    other point has the name of the joint or load at the point.
+    In the definition that `mechanism` returns, the first point of each body has the name `origin`, and the second point
+    has the name `end`. Any other point of a body has the name of the joint or load at the point.
 
     Raises:
-        InputError: two parts of one type have the same name, or a point is not a pair of numbers.
+        InputError: two parts of one type in `parts` have the same name, or a point is not a pair of numbers.
     """
     bodies: dict[str, dict[str, Any]] = {"ground": {}}
     sections: dict[str, Any] = {}

@@ -87,25 +87,25 @@ impl HydraulicSystem {
                 other.group == link.group && other.name == link.name && other.port == link.port && other.carries_flow()
             };
             if let Some(other) = links[..index].iter().find(of_same) {
-                let message = format!(
+                let message = format_args!(
                     "\"{}\" is also connected to port {} of this element; connect each port of an element to a \
                      different reservoir, node or chamber",
                     link.port, other.key
                 );
-                faults.push(DefinitionError::key(link.path(), message));
+                faults.refuse(link.path(), message);
             }
             // A node may serve several valves; a chamber has one.
             let is_working =
                 |one: &Link<'_>| one.group == "valves" && matches!(one.key, "a" | "b") && one.port.contains('.');
             let of_other = |other: &&Link<'_>| is_working(other) && other.name != link.name && other.port == link.port;
             if let (true, Some(other)) = (is_working(link), links[..index].iter().find(of_other)) {
-                let message = format!(
+                let message = format_args!(
                     "\"{}\" is already connected to {}; connect only one valve to a chamber, or connect both valves to \
                         a node",
                     link.port,
                     other.path()
                 );
-                faults.push(DefinitionError::key(link.path(), message));
+                faults.refuse(link.path(), message);
             }
         }
         self.find_size_faults(&ports, faults);
@@ -121,9 +121,10 @@ impl HydraulicSystem {
                 faults.push(DefinitionError::value(format_args!("{group}.{name}"), format!("\"{name}\""), allowed));
             }
             if let Some((other, _)) = names.iter().find(|(_, known)| known == name) {
-                let message =
-                    format!("the element {other}.{name} already has this name; give each element a different name");
-                faults.push(DefinitionError::key(format_args!("{group}.{name}"), message));
+                let message = format_args!(
+                    "the element {other}.{name} already has this name; give each element a different name"
+                );
+                faults.refuse(format_args!("{group}.{name}"), message);
             }
             names.push((group, name.to_owned()));
         });
@@ -141,7 +142,7 @@ impl HydraulicSystem {
             ("ports", ports.names().len()),
         ] {
             if count > CAPACITY {
-                let message = format!(
+                let message = format_args!(
                     "the network has {count} {what}, but at most {CAPACITY} are allowed in a mechanism: simplify the \
                      network, or package mechanism and network as two FMUs"
                 );
@@ -173,17 +174,14 @@ impl HydraulicSystem {
             ("resistances", "flow paths (four in each valve)", paths, MOST_PATHS),
         ] {
             if count > most {
-                let message = format!(
+                let message = format_args!(
                     "the network has {count} {what}, but at most {most} are allowed: split the network into two FMUs"
                 );
-                faults.push(DefinitionError::key(key, message));
+                faults.refuse(key, message);
             }
         }
         if self.nodes.is_empty() && self.cylinders.is_empty() {
-            faults.push(DefinitionError::key(
-                "nodes",
-                "the network has neither a node nor a cylinder: add a node or a cylinder",
-            ));
+            faults.refuse("nodes", "the network has neither a node nor a cylinder: add a node or a cylinder");
         }
     }
 
@@ -225,7 +223,7 @@ impl HydraulicSystem {
                                volume of the lines at this node";
                 faults.push(DefinitionError::value(path("volume"), 0, allowed));
             } else if node.hose_volume > node.volume {
-                let allowed = format!(
+                let allowed = format_args!(
                     "at most {} m3, the volume of the node, because the hose volume is part of the node volume",
                     Decimal(node.volume)
                 );
@@ -234,7 +232,7 @@ impl HydraulicSystem {
         }
         for (name, pump) in self.pumps.iter() {
             if pump.r#type == PumpType::Compensated && pump.max_pressure <= pump.full_pressure {
-                let allowed = format!("above full_pressure = {} Pa", Decimal(pump.full_pressure));
+                let allowed = format_args!("above full_pressure = {} Pa", Decimal(pump.full_pressure));
                 let path = format!("pumps.{name}.max_pressure");
                 faults.push(DefinitionError::value(path, Decimal(pump.max_pressure), allowed));
             }
@@ -251,12 +249,13 @@ impl HydraulicSystem {
         for (name, cylinder) in self.cylinders.iter() {
             let path = |key: &str| format!("cylinders.{name}.{key}");
             if cylinder.rod >= cylinder.bore {
-                let allowed = format!("below bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
+                let allowed =
+                    format_args!("below bore = {} m; otherwise chamber B has no area", Decimal(cylinder.bore));
                 faults.push(DefinitionError::value(path("rod"), Decimal(cylinder.rod), allowed));
             }
             for (side, chamber) in [("a", &cylinder.chamber_a), ("b", &cylinder.chamber_b)] {
                 if chamber.hose_volume > chamber.dead_volume {
-                    let allowed = format!(
+                    let allowed = format_args!(
                         "at most dead_volume = {} m3, because the hose volume is part of the dead volume",
                         Decimal(chamber.dead_volume)
                     );
@@ -266,7 +265,7 @@ impl HydraulicSystem {
             }
             let [least, most] = cylinder.lengths();
             if let Some(length) = cylinder.length.filter(|length| !(least..=most).contains(length)) {
-                let allowed = format!(
+                let allowed = format_args!(
                     "from closed_length = {} m to closed_length + stroke = {} m",
                     Decimal(least),
                     Decimal::rounded(most)
@@ -288,7 +287,7 @@ impl HydraulicSystem {
                 Some((_, cylinder)) => {
                     let [least, most] = cylinder.lengths();
                     if !(least..=most).contains(&valve.length) {
-                        let allowed = format!(
+                        let allowed = format_args!(
                             "within the travel of the cylinder, from {} m to {} m",
                             Decimal(least),
                             Decimal::rounded(most)
@@ -296,7 +295,7 @@ impl HydraulicSystem {
                         faults.push(DefinitionError::value(path("length"), Decimal(valve.length), allowed));
                     }
                     if !(LEAST_WIDTH..=cylinder.stroke).contains(&valve.width) {
-                        let allowed = format!(
+                        let allowed = format_args!(
                             "from {LEAST_WIDTH:e} m to {} m, the stroke of {}: the valve opens over this part of the \
                              travel",
                             Decimal(cylinder.stroke),
@@ -321,7 +320,7 @@ impl HydraulicSystem {
         }
         for (name, lock) in self.pressure_locks.iter() {
             if lock.hysteresis > lock.release_pressure {
-                let allowed = format!("at most release_pressure = {} Pa", Decimal(lock.release_pressure));
+                let allowed = format_args!("at most release_pressure = {} Pa", Decimal(lock.release_pressure));
                 let path = format!("pressure_locks.{name}.hysteresis");
                 faults.push(DefinitionError::value(path, Decimal(lock.hysteresis), allowed));
             }

@@ -5,6 +5,7 @@ use super::{HydraulicSystem, Ports, PumpType};
 use crate::hydraulics::plausibility::implausible;
 use crate::inspection::Finding;
 use crate::numerics::decimal::Decimal;
+use std::fmt;
 
 impl HydraulicSystem {
     /// The highest pressure that pumps and reservoirs give [Pa].
@@ -24,7 +25,8 @@ impl HydraulicSystem {
     pub fn warnings(&self) -> Vec<Finding> {
         let (mut all, links, highest) = (Vec::new(), self.links(), self.highest());
         let ports = Ports::new(self);
-        let mut warn = |path: String, message: String, remedy: &str| all.push(Finding::warning(path, message, remedy));
+        let mut warn =
+            |path: String, message: &dyn fmt::Display, remedy: &str| all.push(Finding::warning(path, message, remedy));
         let feeds = |port: &str, except: &str| {
             ports.find(port).is_some_and(|index| index >= ports.volumes)
                 || links.iter().any(|link| {
@@ -33,20 +35,20 @@ impl HydraulicSystem {
         };
         for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
             if !feeds(link.port, link.name) {
-                let message = format!(
+                let message = format_args!(
                     "nothing but this valve is connected to \"{}\", so the valve has no {} line",
                     link.port, link.key
                 );
-                warn(link.path(), message, "connect another element to this port, such as a pump or a reservoir");
+                warn(link.path(), &message, "connect another element to this port, such as a pump or a reservoir");
             }
         }
         for name in &ports.names()[ports.nodes..ports.volumes] {
             if !feeds(name, "") {
                 let (cylinder, side) = name.split_once('.').unwrap_or((name, ""));
-                let message = format!(
+                let message = format_args!(
                     "nothing is connected to chamber {side} of this cylinder, so the oil cannot leave the chamber"
                 );
-                warn(format!("cylinders.{cylinder}"), message, "connect a valve or another element to this chamber");
+                warn(format!("cylinders.{cylinder}"), &message, "connect a valve or another element to this chamber");
             }
         }
         for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Fixed) {
@@ -56,7 +58,7 @@ impl HydraulicSystem {
             };
             let flow = self.reliefs.iter().fold(0.0, relief);
             if flow < pump.max_flow {
-                let message = format!(
+                let message = format_args!(
                     "is {} m3/s, but the relief valves at \"{}\" can discharge only {} m3/s at 10 % above their \
                         opening pressure",
                     Decimal(pump.max_flow),
@@ -64,13 +66,13 @@ impl HydraulicSystem {
                     Decimal::rounded(flow)
                 );
                 let remedy = "increase the conductance of a relief valve at the pump outlet, or use a compensated pump";
-                warn(format!("pumps.{name}.max_flow"), message, remedy);
+                warn(format!("pumps.{name}.max_flow"), &message, remedy);
             }
         }
         for (name, pump) in self.pumps.iter().filter(|(_, pump)| pump.r#type == PumpType::Compensated) {
             let below = self.reliefs.iter().find(|(_, one)| one.from == pump.to && one.pressure <= pump.full_pressure);
             if let Some((relief, one)) = below {
-                let message = format!(
+                let message = format_args!(
                     "is {} Pa, above reliefs.{relief}.pressure = {} Pa: the relief valve opens before the flow of the \
                      pump falls",
                     Decimal(pump.full_pressure),
@@ -78,29 +80,29 @@ impl HydraulicSystem {
                 );
                 warn(
                     format!("pumps.{name}.full_pressure"),
-                    message,
+                    &message,
                     "raise the pressure of the relief valve, or lower full_pressure",
                 );
             }
         }
         for (name, accumulator) in self.accumulators.iter().filter(|(_, one)| one.precharge_pressure >= highest) {
-            let message = format!(
+            let message = format_args!(
                 "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the accumulator never takes oil",
                 Decimal(accumulator.precharge_pressure),
                 Decimal(highest)
             );
-            warn(format!("accumulators.{name}.precharge_pressure"), message, "lower the precharge pressure");
+            warn(format!("accumulators.{name}.precharge_pressure"), &message, "lower the precharge pressure");
         }
         let lowest = self.reservoirs.iter().min_by(|(_, a), (_, b)| a.pressure.total_cmp(&b.pressure));
         for (name, accumulator) in self.accumulators.iter() {
             if let Some((tank, reservoir)) = lowest.filter(|(_, one)| accumulator.precharge_pressure <= one.pressure) {
-                let message = format!(
+                let message = format_args!(
                     "is {} Pa, not above reservoirs.{tank}.pressure = {} Pa, the lowest pressure: the accumulator can \
                         never deliver all its oil",
                     Decimal(accumulator.precharge_pressure),
                     Decimal(reservoir.pressure)
                 );
-                warn(format!("accumulators.{name}.precharge_pressure"), message, "raise the precharge pressure");
+                warn(format!("accumulators.{name}.precharge_pressure"), &message, "raise the precharge pressure");
             }
         }
         for (name, valve) in self.position_valves.iter() {
@@ -108,7 +110,7 @@ impl HydraulicSystem {
             let (lower, upper) = (cylinder.lower_limit, cylinder.upper_limit);
             let is_beyond = |low: f64, high: f64| (low, high) != (0.0, 0.0) && !(low..=high).contains(&valve.length);
             if is_beyond(lower, upper) {
-                let message = format!(
+                let message = format_args!(
                     "is {} m, but the limits of {} are {} m and {} m: the cylinder never operates this valve",
                     Decimal(valve.length),
                     valve.cylinder,
@@ -116,21 +118,21 @@ impl HydraulicSystem {
                     Decimal(upper)
                 );
                 let remedy = "state a length between lower_limit and upper_limit of the cylinder";
-                warn(format!("position_valves.{name}.length"), message, remedy);
+                warn(format!("position_valves.{name}.length"), &message, remedy);
             }
         }
         for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
-            let message = format!(
+            let message = format_args!(
                 "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the lock never releases",
                 Decimal(lock.release_pressure),
                 Decimal(highest)
             );
-            warn(format!("pressure_locks.{name}.release_pressure"), message, "lower the release pressure");
+            warn(format!("pressure_locks.{name}.release_pressure"), &message, "lower the release pressure");
         }
         self.clone().element_parameters(&mut |parameter, value| {
             let path = parameter.key.concat();
             if let Some((message, remedy)) = implausible(&path, *value) {
-                warn(path, message, remedy);
+                warn(path, &message, remedy);
             }
         });
         let coarse = self.experiment.coarse();

@@ -3,7 +3,7 @@
 //! In: a mechanism as read, with placeholders where expressions stand, and the values of all parameters. Out: the
 //! values of these expressions. It must not know the order of parameters.
 use super::{Place, Stated, Unclear, is_clear, unknown_name, without_unit};
-use crate::format::{DefinitionError, Expression, Faults, Number, index_of, numbers};
+use crate::format::{Expression, Faults, Number, index_of, numbers};
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::drawing::Units;
 use crate::numerics::decimal::Decimal;
@@ -51,7 +51,7 @@ impl Mechanism {
                      expression without parameters, or replace the key drawn by the key length and by points in the \
                      frame of the body"
                 );
-                faults.push(DefinitionError::key(&key, format_args!("\"{}\": {why}", texts[fixed.index])));
+                faults.refuse(&key, format_args!("\"{}\": {why}", texts[fixed.index]));
             }
             fixed.stated = Some((key, unit));
         }

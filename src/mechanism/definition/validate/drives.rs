@@ -2,7 +2,6 @@
 use crate::format::Faults;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::loads::Actuator;
-use crate::mechanism::definition::refusal::refused;
 
 impl Mechanism {
     /// Faults of the motion of a drive, if it has one.
@@ -17,19 +16,19 @@ impl Mechanism {
                 ),
                 None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
             };
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         if let Some((_, other, _)) = self.motion_drive().filter(|(_, other, _)| *other != name) {
-            let message = format!(
+            let message = format_args!(
                 "the drive {other} already has a prescribed motion, which moves the whole mechanism: remove one of the \
                  two motions"
             );
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         if self.start.equilibrium && motion.enabled {
             let message = "`start` cannot be `equilibrium` with a prescribed motion, because every position is then an \
                            equilibrium: give a position in `start`, or write \"enabled\": false in `motion`";
-            faults.keep::<()>(refused(&key, message));
+            faults.refuse(&key, message);
         }
         motion.check(&key, faults);
     }

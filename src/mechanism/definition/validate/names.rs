@@ -18,7 +18,7 @@ pub(super) fn check_name(key: impl fmt::Display, name: &str) -> Check {
     let first = letters.next().is_some_and(|c| c.is_ascii_alphabetic());
     if name.len() > LONGEST {
         let (start, count) = (name.chars().take(20).collect::<String>(), name.chars().count());
-        let message = format!(
+        let message = format_args!(
             "the name \"{start}...\" has {count} letters, but at most {LONGEST} are allowed, because the program \
              writes files with this name: shorten the name"
         );
@@ -27,7 +27,7 @@ pub(super) fn check_name(key: impl fmt::Display, name: &str) -> Check {
     if first && letters.all(|c| c.is_ascii_alphanumeric() || c == '_') {
         return Ok(());
     }
-    let allowed = format!("a letter, then letters, digits or underscores, at most {LONGEST} characters");
+    let allowed = format_args!("a letter, then letters, digits or underscores, at most {LONGEST} characters");
     Err(DefinitionError::value(key, format_args!("\"{name}\""), allowed))
 }
 
@@ -97,24 +97,21 @@ impl Mechanism {
                 let key = format!("{key}.{name}");
                 faults.keep(check_name(&key, name));
                 if is_reserved(name) {
-                    faults.keep::<()>(refused(
-                        &key,
-                        "this name is a function or a constant of expressions: choose another name",
-                    ));
+                    faults.refuse(&key, "this name is a function or a constant of expressions: choose another name");
                 }
                 if parameter.description.chars().any(char::is_control) {
-                    faults.keep::<()>(refused(
+                    faults.refuse(
                         &key,
                         "the description contains a control character: write the description on one line",
-                    ));
+                    );
                 }
             }
         }
         // Both would have one name in the guess, and one variable for two speeds.
         for (name, _) in self.joints.iter().filter(|(_, joint)| joint.slides()) {
             if self.bodies.get(name).is_some() {
-                let message = format!("`{name}` is the name of a body and of a joint: rename one of them");
-                faults.keep::<()>(refused(format_args!("joints.{name}"), message));
+                let message = format_args!("`{name}` is the name of a body and of a joint: rename one of them");
+                faults.refuse(format_args!("joints.{name}"), message);
             }
         }
         for (body, b) in self.bodies.iter() {
@@ -122,7 +119,7 @@ impl Mechanism {
                 faults.keep(check_name(format_args!("bodies.{body}.points"), point));
                 if point == "origin" || point == "end" {
                     let message = "every body has the points origin and end: choose another name";
-                    faults.keep::<()>(refused(format_args!("bodies.{body}.points.{point}"), message));
+                    faults.refuse(format_args!("bodies.{body}.points.{point}"), message);
                 }
             }
         }

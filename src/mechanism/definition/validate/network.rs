@@ -5,11 +5,32 @@ use super::CURVED;
 use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;
+use crate::inspection::Finding;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::definition::loads::Actuator;
-use crate::mechanism::definition::refusal::refused;
+use std::sync::OnceLock;
+
+/// Checks and warnings of hydraulics.
+type Checks = (fn(&Mechanism, &mut Faults), fn(&Mechanism, &mut Vec<Finding>));
+/// A library that never allows hydraulics does not contain their code.
+static CHECKS: OnceLock<Checks> = OnceLock::new();
+
+/// State that definitions may have hydraulics.
+pub fn allow_hydraulics() {
+    CHECKS.get_or_init(|| (Mechanism::check_network, Mechanism::warn_of_circuit));
+}
 
 impl Mechanism {
+    /// Faults of the hydraulics.
+    pub(super) fn check_hydraulics(&self, faults: &mut Faults) {
+        CHECKS.get().into_iter().for_each(|(check, _)| check(self, faults));
+    }
+
+    /// Warnings about the hydraulics.
+    pub(in crate::mechanism::definition) fn warn_of_hydraulics(&self, all: &mut Vec<Finding>) {
+        CHECKS.get().into_iter().for_each(|(_, warn)| warn(self, all));
+    }
+
     /// Path in the file of a fault's key, where those of a network or of a circuit stand in its section.
     pub(in crate::mechanism::definition) fn path_in_file(&self, path: &str) -> String {
         let first = path.split('.').next().unwrap_or_default();
@@ -22,14 +43,14 @@ impl Mechanism {
         }
     }
 
-    pub(super) fn check_network(&self, faults: &mut Faults) {
+    fn check_network(&self, faults: &mut Faults) {
         let Some(network) = &self.hydraulics else { return };
         if let Some((_, drive, _)) = self.hydraulic_drive() {
-            let message = format!(
+            let message = format_args!(
                 "actuators.{drive} already has a hydraulic circuit, but a mechanism has a circuit or a network: remove \
                  one of the two"
             );
-            faults.keep::<()>(refused("hydraulics", message));
+            faults.refuse("hydraulics", message);
         }
         network.find_connection_faults_in_mechanism(faults);
         faults.keep(network.check_size_in_mechanism());
@@ -42,14 +63,13 @@ impl Mechanism {
         if network.cylinders.is_empty() {
             let message =
                 "the network has no cylinder, so it moves nothing: add a cylinder with the name of an actuator";
-            faults.keep::<()>(refused("hydraulics.cylinders", message));
+            faults.refuse("hydraulics.cylinders", message);
         }
     }
 
     /// Faults of an actuator that a cylinder of the network moves.
     fn check_cylinder(&self, name: &str, actuator: &Actuator, faults: &mut Faults) {
-        let mut refuse =
-            |key: &str, message: &str| faults.keep::<()>(refused(format_args!("actuators.{name}{key}"), message));
+        let mut refuse = |key: &str, message: &str| faults.refuse(format_args!("actuators.{name}{key}"), message);
         if self.turns(actuator) {
             refuse(
                 "",

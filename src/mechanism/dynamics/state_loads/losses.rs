@@ -4,7 +4,7 @@
 //! In: the friction loop with its arms, the state loads, the balance. Out: the solution with the flow of power that
 //! belongs to it. It must not know laws.
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
-use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
+use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::dual::Number;
 
@@ -20,6 +20,15 @@ pub(super) fn solve<T: Number>(
     if state_loads.loses { solve_with_losses(friction, state_loads, balance) } else { friction.solve_at(t, balance) }
 }
 
+/// Make the arms those of power that flows forward again, after a solution.
+pub(super) fn turn_forward<T: Number>(friction: &mut FrictionLoop<T>, state_loads: &StateLoads) {
+    for (j, joint) in state_loads.friction_joints.iter().enumerate() {
+        if std::mem::take(&mut friction.flows_back[j]) {
+            friction.arm[j] = friction.arm[j] * T::constant(1.0 / joint.back);
+        }
+    }
+}
+
 /// Solve the friction loop where couplings have losses. In each of them power flows forward or back by the sign of the
 /// force on its second body, held or that of the solution: it is taken as without losses first, and where the solution
 /// has the other sign the flow is turned round.
@@ -30,8 +39,7 @@ fn solve_with_losses<T: Number>(
     state_loads: &StateLoads,
     balance: &Balance<T>,
 ) -> Result<(), Locked> {
-    let couplings =
-        || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.kind == FrictionKind::Coupling);
+    let couplings = || state_loads.friction_joints.iter().enumerate().filter(|(_, joint)| joint.is_loss());
     for (j, joint) in couplings() {
         let held = friction.sign[j];
         let force = if held == 0.0 { balance.free[0][j].value() } else { held };

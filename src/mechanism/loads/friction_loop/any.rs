@@ -23,15 +23,8 @@ impl<T: Number> FrictionLoop<T> {
         const SMALL: f64 = 1e-4;
         const CLOSE: f64 = 1e-2;
         let n = self.arm.len();
-        let groups = (self.unknown.len() - 1) / 2;
-        // Unknown 0 is u, unknown 1 + axis + 2 g a component of P_g.
+        self.set_effects(balance);
         for j in 0..n {
-            self.effect[j] = -(balance.influence[j] * self.arm[j]);
-            for g in 0..groups {
-                for axis in 0..2 {
-                    self.effect[(1 + axis + 2 * g) * n + j] = -(balance.passed[axis][g * n + j] * self.arm[j]);
-                }
-            }
             self.size[j] = self.measure(j, [balance.free[0][j], balance.free[1][j]]);
         }
         if self.constant > 0 {
@@ -47,10 +40,10 @@ impl<T: Number> FrictionLoop<T> {
         self.keep_sizes();
         let contracts = self.contracts(balance);
         // A solution that is not unique is found from the frictionless one.
-        if contracts && !T::CARRIES {
+        if contracts {
             self.of_sizes.add_to(t, &mut self.size);
         }
-        if self.newton(balance, 1.0, FEW + u32::from(T::CARRIES)) && (contracts || self.is_near()) {
+        if self.newton(balance, 1.0, FEW) && (contracts || self.is_near()) {
             self.of_sizes.learn(t, &self.size, &self.last);
             return Ok(());
         }
@@ -71,6 +64,18 @@ impl<T: Number> FrictionLoop<T> {
             }
         }
         Ok(())
+    }
+
+    /// State B for the present arms. Unknown 0 is u, unknown 1 + axis + 2 g a component of P_g.
+    pub(super) fn set_effects(&mut self, balance: &Balance<T>) {
+        let (n, arm) = (self.arm.len(), &self.arm);
+        for (k, row) in self.effect.chunks_exact_mut(n).enumerate() {
+            let from = match k.checked_sub(1) {
+                None => balance.influence,
+                Some(k) => &balance.passed[k % 2][k / 2 * n..][..n],
+            };
+            row.iter_mut().zip(from).zip(arm).for_each(|((effect, from), arm)| *effect = -(*from * *arm));
+        }
     }
 
     /// Whether friction changes the reactions by less than these change, of any number of joints and groups.
@@ -116,89 +121,101 @@ impl<T: Number> FrictionLoop<T> {
     /// Newton's method for s = |R(z)|, z = part B s, from the present magnitudes s. False if it does not converge in
     /// `most` iterations, or if a determinant is not positive. Of many iterations each is to be much nearer than the
     /// one before.
-    ///
-    /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
-    /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
     fn newton(&mut self, balance: &Balance<T>, part: f64, most: u32) -> bool {
         /// Least contraction of [`CONVERGED`]'s measure, the square of a correction: at the end of the solution the
         /// square of a correction is a quarter of the one before, elsewhere far less.
         const CONTRACTION: f64 = 0.2;
-        let n = self.arm.len();
-        let known = n - self.constant;
-        let (mut converged, mut before) = (false, f64::INFINITY);
+        let mut before = f64::INFINITY;
         for iteration in 1..=most {
             self.iterations = iteration;
-            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
-                *unknown = total(&row[..known], &self.size[..known]) * part + total(&row[known..], &self.size[known..]);
-            }
-            let mut scale = f64::MIN_POSITIVE;
-            for i in 0..n {
-                let (of, [on_x, on_y]) = (1 + 2 * balance.groups[i], balance.seconds[i]);
-                let r = self.reaction(i, balance);
-                let size = self.measure(i, r);
-                self.rest[i] = size - self.size[i];
-                let unit = if self.sign[i] == 0.0 {
-                    let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
-                    r.map(|r| r.value() * inverse)
-                } else {
-                    [self.sign[i], 0.0]
-                };
-                self.measured[i] = size.value();
-                scale = scale.max(size.value().abs());
-                let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
-                self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
-                let [u, x, y] = self.direction[i].map(|slope| -part * slope);
-                let row = &mut self.matrix[i * n..(i + 1) * n];
-                let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
-                for (((out, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
-                    *out = u * along.value() + x * first.value() + y * second.value();
-                }
-                row[i] += 1.0;
-            }
-            self.determinant = eliminate(&mut self.matrix, &mut self.rest);
-            if self.determinant.is_nan() || self.determinant <= 0.0 {
-                return false;
-            }
-            for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(n)) {
-                let of = |sum: f64, (effect, rest): (&T, &T)| sum + effect.value() * rest.value();
-                *change = part * row.iter().zip(&self.rest).fold(0.0, of);
-            }
-            let mut error: f64 = 0.0;
-            for i in 0..n {
-                let of = 1 + 2 * balance.groups[i];
-                let [u, first, second] = [0, of, of + 1].map(|k| self.change[k]);
-                if self.sign[i] == 0.0 {
-                    let [on_x, on_y] = balance.seconds[i];
-                    let passed = [first + on_x * second, on_y * second];
-                    let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
-                    let size = self.measured[i].max(f64::MIN_POSITIVE);
-                    error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
-                }
-                self.size[i] = self.size[i] + self.rest[i];
-            }
-            if !error.is_finite() {
-                return false;
-            }
-            if converged || (error < CONVERGED && !T::CARRIES) || error == 0.0 {
+            let Some(error) = self.correct(balance, part) else { return false };
+            if error < CONVERGED {
                 return true;
             }
-            converged = error < CONVERGED;
-            if most > FEW + 1 && iteration > 2 && error > CONTRACTION * before && !converged {
+            if most > FEW && iteration > 2 && error > CONTRACTION * before {
                 return false;
             }
             before = error;
         }
         false
     }
+
+    /// |R_i| at the present unknowns, whose slopes it keeps.
+    #[inline]
+    pub(super) fn find_size(&mut self, i: usize, balance: &Balance<T>) -> T {
+        let [on_x, on_y] = balance.seconds[i];
+        let r = self.reaction(i, balance);
+        let size = self.measure(i, r);
+        let unit = if self.sign[i] == 0.0 {
+            let inverse = 1.0 / size.value().max(f64::MIN_POSITIVE);
+            r.map(|r| r.value() * inverse)
+        } else {
+            [self.sign[i], 0.0]
+        };
+        let along = unit[0] * balance.inertial[0][i].value() + unit[1] * balance.inertial[1][i].value();
+        self.direction[i] = [along, unit[0], on_x * unit[0] + on_y * unit[1]];
+        size
+    }
+
+    /// One correction by Newton's method. Returns the error that is left, or None if the determinant is not positive or
+    /// the correction not finite.
+    ///
+    /// With D = d|R| / dz, each correction solves (1 - part D B) ds = |R(z)| - s. That is Newton's method for
+    /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
+    fn correct(&mut self, balance: &Balance<T>, part: f64) -> Option<f64> {
+        let n = self.arm.len();
+        let known = n - self.constant;
+        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+            *unknown = total(&row[..known], &self.size[..known]) * part + total(&row[known..], &self.size[known..]);
+        }
+        let mut scale = f64::MIN_POSITIVE;
+        for i in 0..n {
+            let size = self.find_size(i, balance);
+            self.rest[i] = size - self.size[i];
+            self.measured[i] = size.value();
+            scale = scale.max(size.value().abs());
+            let of = 1 + 2 * balance.groups[i];
+            let [u, x, y] = self.direction[i].map(|slope| -part * slope);
+            let row = &mut self.matrix[i * n..(i + 1) * n];
+            let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
+            for (((out, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
+                *out = u * along.value() + x * first.value() + y * second.value();
+            }
+            row[i] += 1.0;
+        }
+        self.determinant = eliminate(&mut self.matrix[..n * n], &mut self.rest[..n]);
+        if self.determinant.is_nan() || self.determinant <= 0.0 {
+            return None;
+        }
+        for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(n)) {
+            let of = |sum: f64, (effect, rest): (&T, &T)| sum + effect.value() * rest.value();
+            *change = part * row.iter().zip(&self.rest).fold(0.0, of);
+        }
+        let mut error: f64 = 0.0;
+        for i in 0..n {
+            let of = 1 + 2 * balance.groups[i];
+            let [u, first, second] = [0, of, of + 1].map(|k| self.change[k]);
+            if self.sign[i] == 0.0 {
+                let [on_x, on_y] = balance.seconds[i];
+                let passed = [first + on_x * second, on_y * second];
+                let step = [0, 1].map(|axis| balance.inertial[axis][i].value() * u + passed[axis]);
+                let size = self.measured[i].max(f64::MIN_POSITIVE);
+                error = error.max((step[0] * step[0] + step[1] * step[1]) / (size * scale));
+            }
+            self.size[i] = self.size[i] + self.rest[i];
+        }
+        error.is_finite().then_some(error)
+    }
 }
 
 /// Inner product.
-fn total<T: Number>(a: &[T], b: &[T]) -> T {
+#[inline]
+pub(super) fn total<T: Number>(a: &[T], b: &[T]) -> T {
     a.iter().zip(b).fold(T::constant(0.0), |sum, (a, b)| sum + *a * *b)
 }
 
 /// Gauss elimination in place with row pivoting; the solution replaces the right-hand side. Returns the determinant.
-fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
+pub(super) fn eliminate<T: Number>(a: &mut [f64], b: &mut [T]) -> f64 {
     let n = b.len();
     let mut determinant = 1.0;
     for k in 0..n {

@@ -10,7 +10,6 @@ impl<T: Number> FrictionLoop<T> {
     /// positive.
     #[inline]
     pub(super) fn solve_one<const N: usize>(&mut self, t: f64, balance: &Balance<T>) -> bool {
-        let most = FEW + u32::from(T::CARRIES);
         let [Some(free_x), Some(free_y)] = balance.free.map(<[T]>::first_chunk::<N>) else { return false };
         let [Some(along_x), Some(along_y)] = balance.inertial.map(<[T]>::first_chunk::<N>) else { return false };
         let [Some(passed_x), Some(passed_y)] = balance.passed.map(<[T]>::first_chunk::<N>) else { return false };
@@ -30,14 +29,13 @@ impl<T: Number> FrictionLoop<T> {
         }
         let (free, without) = (sizes, z);
         // A solution that is not unique is found from the frictionless one.
-        if contracts && !T::CARRIES {
+        if contracts {
             let added = self.prediction.at(t);
             for k in 0..3 {
                 z[k] = z[k] + T::constant(added[k]);
             }
         }
-        let mut converged = false;
-        for iteration in 1..=most {
+        for iteration in 1..=FEW {
             // Derivatives of each |R| with respect to the unknowns.
             let mut slopes = [[0.0; N]; 3];
             let mut inverse = [0.0; N];
@@ -79,8 +77,7 @@ impl<T: Number> FrictionLoop<T> {
             for k in 0..3 {
                 z[k] = z[k] + step[k];
             }
-            // Derivatives carried by T converge one iteration later.
-            if converged || (error < CONVERGED && !T::CARRIES) || error == 0.0 {
+            if error < CONVERGED {
                 self.iterations = iteration;
                 self.prediction.learn(t, std::array::from_fn(|k| (z[k] - without[k]).value()));
                 for (i, size) in self.size.iter_mut().enumerate() {
@@ -91,7 +88,6 @@ impl<T: Number> FrictionLoop<T> {
                 }
                 return contracts || are_near(&self.size, free.iter().map(|size| size.value()));
             }
-            converged = error < CONVERGED;
         }
         false
     }
@@ -133,7 +129,7 @@ fn total_of<const N: usize>(a: &[f64; N]) -> f64 {
 
 /// Solution of three linear equations by cofactors, and their determinant.
 #[inline]
-fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
+pub(super) fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
     let minor = |i: usize, j: usize| {
         let ((r, s), (t, u)) = (((i + 1) % 3, (i + 2) % 3), ((j + 1) % 3, (j + 2) % 3));
         a[r][t] * a[s][u] - a[r][u] * a[s][t]

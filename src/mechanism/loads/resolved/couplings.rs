@@ -33,16 +33,17 @@ pub(super) fn pretension(linkage: &Linkage, coupling: usize, tension: f64) -> (f
     (-2.0 * tension * (1.0 - cosine * cosine).sqrt(), Load::Separation { coupling, lean: 0.0 })
 }
 
+/// The couplings with teeth whose pressure angle is not 0: index, name, angle [rad].
+pub(super) fn pressure_angles(mechanism: &Mechanism) -> impl Iterator<Item = (usize, (&str, f64))> {
+    let angles = mechanism.couplings.iter().map(|(name, own)| (name, own.pressure_angle.unwrap_or(0.0)));
+    angles.enumerate().filter(|(_, (_, angle))| *angle > 0.0)
+}
+
 impl Loading {
+    /// Add the teeth of a mechanism whose joints have no friction. With friction these are added with it.
     pub(super) fn add_meshes(&mut self, mechanism: &Mechanism, linkage: &Linkage) -> Result<(), DefinitionError> {
         let joints = mechanism.joints.len();
-        for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
-            let Some(angle) = defined.pressure_angle.filter(|angle| *angle > 0.0) else { continue };
-            if mechanism.friction.is_some() {
-                let message = "the friction of joints does not include the separating force of teeth: set \
-                               pressure_angle to 0, or remove friction";
-                return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
-            }
+        for (coupling, (name, angle)) in pressure_angles(mechanism).filter(|_| mechanism.friction.is_none()) {
             let (first, tangent) = (self.loads.len(), angle.tan());
             let leans: &[f64] = match &linkage.couplings[coupling].law {
                 Law::Elliptic { eccentricity: e, lobes, .. } => {

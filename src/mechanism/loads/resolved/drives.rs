@@ -19,8 +19,11 @@ pub struct Efficiency {
 }
 
 impl Efficiency {
-    /// The efficiency of a drive, if its definition states one.
+    /// The efficiency of a drive, if its definition states one. The loss of a screw that locks itself is friction.
     pub(super) fn of(drive: &Actuator) -> Option<Self> {
+        if drive.locks_itself() {
+            return None;
+        }
         let (forward, backward) = (drive.efficiency, drive.backward_efficiency);
         let forward_or = forward.unwrap_or(1.0);
         forward.or(backward).map(|_| Self { forward: forward_or, backward: backward.unwrap_or(forward_or) })

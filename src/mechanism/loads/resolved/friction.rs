@@ -2,8 +2,9 @@
 //!
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
 use super::Loading;
+use super::couplings::{Mesh, pressure_angles};
 use super::ends::joint_load;
-use crate::mechanism::definition::{DefinitionError, Friction, FrictionLaw, Joint, Mechanism};
+use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
 use crate::mechanism::loads::unit_load::Load;
@@ -19,7 +20,8 @@ const HOLD: f64 = 1e-12;
 pub struct JointFriction {
     /// Whether friction that reactions cause in joints acts; losses of couplings and constant friction do in any case.
     pub enabled: bool,
-    /// Joints with friction, then couplings with losses, then joints with constant friction.
+    /// Joints and cams with friction, then couplings with losses, then teeth, then screws that lock themselves, then
+    /// joints with constant friction.
     pub friction_joints: Vec<FrictionJoint>,
 }
 
@@ -45,17 +47,28 @@ impl JointFriction {
     /// The friction with this index, and the constant friction of the same joint where that is another one.
     pub fn of_joint(&self, index: usize) -> (&FrictionJoint, Option<&FrictionJoint>) {
         let first = &self.friction_joints[index];
-        (first, self.friction_joints[index + 1..].iter().find(|other| other.joint == first.joint))
+        let is_constant = |own: &FrictionJoint| matches!(own.kind, FrictionKind::Constant(_));
+        (first, self.friction_joints[index + 1..].iter().find(|own| own.joint == first.joint && is_constant(own)))
     }
 }
 
 /// What the friction of a joint follows from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FrictionKind {
-    /// The reaction of a joint.
+    /// The reaction of a joint, or the contact force of a cam.
     Joint,
     /// The transmitted force of a coupling: its loss.
     Coupling,
+    /// The transmitted force F_t of a coupling with teeth: no friction, but the force |F_t| tan(alpha) that pushes the
+    /// wheels apart, whichever way they turn. It does no work, and loads the joints with friction.
+    Teeth,
+    /// The force of a screw that locks itself on its nut: its loss, as that of a coupling between screw and nut.
+    Screw {
+        /// Index of the drive.
+        drive: usize,
+        /// Index of the rotor.
+        rotor: usize,
+    },
     /// Nothing: it is constant, [N.m] in a revolute joint or [N] in a prismatic one.
     Constant(f64),
 }
@@ -70,12 +83,13 @@ pub enum FrictionKind {
 /// body gives or gets N / eta, or eta_b N: nothing for eta_b = 0, a coupling that locks itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FrictionJoint {
-    /// Index of the joint.
+    /// Index of the joint; of a screw an index of its own, above those of all joints.
     pub joint: usize,
-    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one.
+    /// Index of its load: a couple [N.m] in a revolute joint, a force along the axis [N] in a prismatic one, along the
+    /// curve of a slot, along the profile of a cam.
     pub load: usize,
-    /// Radius of the pin of a revolute joint [m]; 1 for a prismatic joint, where the load is a force; pitch radius of
-    /// the second wheel of a coupling, or 1.
+    /// Radius of the pin of a revolute joint [m]; 1 for another joint or a cam, where the load is a force; pitch radius
+    /// of the second wheel of a coupling, or 1; of teeth -tan(alpha), with the pressure angle alpha.
     pub radius: f64,
     /// What the friction follows from.
     pub kind: FrictionKind,
@@ -86,6 +100,17 @@ pub struct FrictionJoint {
 }
 
 impl FrictionJoint {
+    /// Whether it is a loss, which depends on the direction in which power flows.
+    pub fn is_loss(&self) -> bool {
+        matches!(self.kind, FrictionKind::Coupling | FrictionKind::Screw { .. })
+    }
+
+    /// Whether it follows from one component of a reaction, whose sign can be held.
+    pub fn has_normal_force(&self, linkage: &Linkage) -> bool {
+        let is_pin = linkage.joints.get(self.joint).is_some_and(|joint| joint.freedom == Freedom::Revolute);
+        !is_pin && !matches!(self.kind, FrictionKind::Constant(_))
+    }
+
     /// Arm of the friction, mu with its sign times the radius [m, or 1], over the slip speed [m/s] on a regime.
     #[inline]
     pub fn arm(&self, regime: Regime) -> Cubic {
@@ -100,6 +125,8 @@ impl Loading {
             self.add_joints(mechanism, linkage, friction, &mut friction_joints)?;
         }
         self.add_losses(mechanism, linkage, &mut friction_joints)?;
+        self.add_teeth(mechanism, &mut friction_joints)?;
+        self.add_screws(mechanism, linkage, &mut friction_joints)?;
         self.add_constant(mechanism, linkage, &mut friction_joints)?;
         let enabled = mechanism.friction.as_ref().is_some_and(|friction| friction.enabled.unwrap_or(false));
         if mechanism.friction.is_some() || !friction_joints.is_empty() {
@@ -135,17 +162,55 @@ impl Loading {
             };
             let (joint, index) = (coupling.joint, self.loads.len());
             let backward = defined.backward_efficiency.unwrap_or(efficiency);
-            // Their ratio needs losses in both directions, which may be rounding.
-            let lost = (1.0 / efficiency - 1.0).max(f64::EPSILON);
-            let lost_back = if backward == 0.0 { 1.0 + HOLD } else { (1.0 - backward).max(f64::EPSILON) };
-            let (kind, law, back) = (FrictionKind::Coupling, coulomb(lost), lost_back / lost);
+            let (kind, (law, back)) = (FrictionKind::Coupling, loss(efficiency, backward));
             friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
             self.loads.push(load);
         }
         Ok(())
     }
 
-    /// Add the constant friction of joints, behind the losses of couplings.
+    /// Add the teeth that push wheels apart in a mechanism whose joints have friction, behind the losses of couplings.
+    fn add_teeth(
+        &mut self,
+        mechanism: &Mechanism,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        let Some(_) = &mechanism.friction else { return Ok(()) };
+        for (coupling, (name, angle)) in pressure_angles(mechanism) {
+            if mechanism.couplings.get(name).is_some_and(|own| own.kind == CouplingKind::EllipticGears) {
+                let message = "the friction of joints cannot include the separating force of elliptic gears: set \
+                               pressure_angle to 0, or remove friction";
+                return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
+            }
+            let (joint, load, kind) = (mechanism.joints.len() + coupling, self.loads.len(), FrictionKind::Teeth);
+            let tangent = angle.tan();
+            friction_joints.push(FrictionJoint { joint, load, radius: -tangent, kind, back: 1.0, law: ANY_SLIP });
+            self.meshes.push(Mesh { joint, loads: [load; 2], tangent });
+            self.loads.push(Load::Separation { coupling, lean: 0.0 });
+        }
+        Ok(())
+    }
+
+    /// Add the losses of screws that lock themselves, behind the teeth.
+    fn add_screws(
+        &mut self,
+        mechanism: &Mechanism,
+        linkage: &Linkage,
+        friction_joints: &mut Vec<FrictionJoint>,
+    ) -> Result<(), DefinitionError> {
+        let screws = mechanism.actuators.iter().enumerate().filter(|(_, (_, defined))| defined.screw.is_some());
+        for (rotor, (drive, (name, defined))) in screws.enumerate().filter(|(_, (_, (_, own)))| own.locks_itself()) {
+            check_law(mechanism, "a screw that locks itself", format_args!("actuators.{name}.backward_efficiency"))?;
+            let (joint, load, kind) =
+                (linkage.joints.len() + drive, self.loads.len(), FrictionKind::Screw { drive, rotor });
+            let (law, back) = loss(defined.efficiency.unwrap_or(1.0), 0.0);
+            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+            self.loads.push(self.loads[drive].along().clone());
+        }
+        Ok(())
+    }
+
+    /// Add the constant friction of joints, behind the screws.
     fn add_constant(
         &mut self,
         mechanism: &Mechanism,
@@ -177,29 +242,54 @@ impl Loading {
             let allowed = format!("greater than friction.static_speed = {}{or}", Decimal(static_speed));
             return Err(DefinitionError::value("friction.kinetic_speed", Decimal(kinetic_speed), allowed));
         }
+        let law = |key: fmt::Arguments, own: [Option<f64>; 2]| {
+            let [at_rest, slipping] = [own[0].unwrap_or(static_coefficient), own[1].unwrap_or(kinetic_coefficient)];
+            if sticks && at_rest < slipping {
+                return Err(static_below_kinetic(key, own, [at_rest, slipping]));
+            }
+            Ok(Law { sticks, static_coefficient: at_rest, kinetic_coefficient: slipping, static_speed, kinetic_speed })
+        };
+        let (kind, back) = (FrictionKind::Joint, 1.0);
         for (joint, ((name, defined), resolved)) in mechanism.joints.iter().zip(&linkage.joints).enumerate() {
             let radius = match (resolved.freedom, defined.pin_radius) {
-                (Freedom::Prismatic(_), _) => 1.0,
+                (Freedom::Prismatic(_) | Freedom::Slot(_), _) => 1.0,
                 (Freedom::Revolute, Some(radius)) => radius,
-                (Freedom::Revolute, None) | (Freedom::Slot(_) | Freedom::Coupling(_), _) => continue,
+                (Freedom::Revolute, None) | (Freedom::Coupling(_), _) => continue,
             };
-            let law = Law {
-                sticks,
-                static_coefficient: defined.static_coefficient.unwrap_or(static_coefficient),
-                kinetic_coefficient: defined.kinetic_coefficient.unwrap_or(kinetic_coefficient),
-                static_speed,
-                kinetic_speed,
-            };
-            if sticks && law.static_coefficient < law.kinetic_coefficient {
-                return Err(static_below_kinetic(name, defined, &law));
-            }
-            let (load, kind, back) = (self.loads.len(), FrictionKind::Joint, 1.0);
+            let own = [defined.static_coefficient, defined.kinetic_coefficient];
+            let (load, law) = (self.loads.len(), law(format_args!("joints.{name}"), own)?);
             friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law });
             self.loads.push(joint_load(linkage, joint, 0.0));
+        }
+        for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
+            let own = [defined.static_coefficient, defined.kinetic_coefficient];
+            if own != [None; 2] {
+                let (joint, load, law) =
+                    (mechanism.joints.len() + coupling, self.loads.len(), law(format_args!("couplings.{name}"), own)?);
+                friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+                self.loads.push(Load::Rub { coupling });
+            }
         }
         Ok(())
     }
 }
+
+/// Law of the loss of an efficiency where power flows forward, and the coefficient where it flows back over that.
+fn loss(forward: f64, backward: f64) -> (Law, f64) {
+    // Their ratio needs losses in both directions, which may be rounding.
+    let lost = (1.0 / forward - 1.0).max(f64::EPSILON);
+    let lost_back = if backward == 0.0 { 1.0 + HOLD } else { (1.0 - backward).max(f64::EPSILON) };
+    (coulomb(lost), lost_back / lost)
+}
+
+/// The coefficient 1 at any slip of either sign.
+const ANY_SLIP: Law = Law {
+    sticks: false,
+    static_coefficient: 1.0,
+    kinetic_coefficient: 1.0,
+    static_speed: f64::NEG_INFINITY,
+    kinetic_speed: f64::NEG_INFINITY,
+};
 
 /// Coulomb's law with one coefficient at rest and at any slip speed.
 fn coulomb(coefficient: f64) -> Law {
@@ -226,13 +316,13 @@ fn check_law(mechanism: &Mechanism, what: &str, key: fmt::Arguments) -> Result<(
 
 /// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at
 /// once.
-fn static_below_kinetic(joint: &str, defined: &Joint, law: &Law) -> DefinitionError {
-    let key = match (defined.static_coefficient, defined.kinetic_coefficient) {
-        (None, None) => "friction.static_coefficient".to_owned(),
-        (None, Some(_)) => format!("joints.{joint}.kinetic_coefficient"),
-        (Some(_), _) => format!("joints.{joint}.static_coefficient"),
+fn static_below_kinetic(key: fmt::Arguments, own: [Option<f64>; 2], present: [f64; 2]) -> DefinitionError {
+    let key = match own {
+        [None, None] => "friction.static_coefficient".to_owned(),
+        [None, Some(_)] => format!("{key}.kinetic_coefficient"),
+        [Some(_), _] => format!("{key}.static_coefficient"),
     };
-    let (rest, slip) = (Decimal(law.static_coefficient), Decimal(law.kinetic_coefficient));
+    let [rest, slip] = present.map(Decimal);
     let message = format!(
         "the static coefficient {rest} is smaller than the kinetic coefficient {slip}, but \"law\": \"stick\" needs \
          a static coefficient that is at least as large"

@@ -4,12 +4,13 @@
 //! the state.
 use super::Loading;
 use crate::hydraulics::circuit::Equations;
-use crate::hydraulics::definition::{Circuit, Command};
+use crate::hydraulics::definition::Command;
 use crate::hydraulics::network::definition::HydraulicSystem;
 use crate::hydraulics::network::interface::flow_inputs;
 use crate::hydraulics::network::laws::Laws;
-use crate::mechanism::definition::{Limit, Mechanism};
+use crate::mechanism::definition::{DefinitionError, Limit, Mechanism};
 use crate::mechanism::loads::laws::stop::Stop;
+use std::sync::OnceLock;
 
 /// A drive with a hydraulic circuit. Its place among the inputs that size loads stays 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,16 +42,46 @@ pub struct NetworkDrives {
     pub locks: Vec<Option<usize>>,
 }
 
-impl HydraulicDrive {
-    /// The drive with this load and circuit, whose inputs begin with this index.
-    pub(super) fn new(load: usize, circuit: &Circuit, first_input: usize) -> Self {
-        Self { load, laws: Equations::new(circuit), command: circuit.command, first_input }
+/// The drive with a circuit and the drives with cylinders of a network, if there are any.
+type Drives = (Option<HydraulicDrive>, Option<NetworkDrives>);
+/// Resolves them.
+type Resolve = fn(&Mechanism, usize) -> Result<Drives, DefinitionError>;
+/// A library that never allows hydraulics does not contain their laws.
+static RESOLVE: OnceLock<Resolve> = OnceLock::new();
+
+/// The words for hydraulics or states of controllers in a library without their code.
+pub const NO_HYDRAULICS: &str = concat!(
+    "the library of this FMU is for mechanisms without hydraulics, integral_gain and force_time_constant, but the ",
+    "definition contains a hydraulic circuit, a network or one of these keys: build the FMU again from the changed ",
+    "definition, with cargo fmu package"
+);
+
+/// State that mechanisms may have hydraulics.
+pub fn allow_hydraulics() {
+    RESOLVE.get_or_init(|| resolve);
+}
+
+/// The hydraulic drives of a mechanism, whose inputs begin with this index.
+pub(super) fn hydraulic_drives(mechanism: &Mechanism, first_input: usize) -> Result<Drives, DefinitionError> {
+    match RESOLVE.get() {
+        Some(resolve) => resolve(mechanism, first_input),
+        None if mechanism.has_hydraulics() => Err(DefinitionError::key("hydraulics", NO_HYDRAULICS)),
+        None => Ok((None, None)),
     }
+}
+
+fn resolve(mechanism: &Mechanism, first_input: usize) -> Result<Drives, DefinitionError> {
+    let drive = mechanism.hydraulic_drive().map(|(load, _, circuit)| {
+        circuit.check()?;
+        Ok(HydraulicDrive { load, laws: Equations::new(circuit), command: circuit.command, first_input })
+    });
+    let network = mechanism.hydraulics.as_ref().map(|network| NetworkDrives::new(network, mechanism, first_input));
+    Ok((drive.transpose()?, network))
 }
 
 impl NetworkDrives {
     /// The drives that have the names of the cylinders.
-    pub(super) fn new(network: &HydraulicSystem, mechanism: &Mechanism, first_input: usize) -> Self {
+    fn new(network: &HydraulicSystem, mechanism: &Mechanism, first_input: usize) -> Self {
         let drive = |name: &str| mechanism.actuators.position(name).unwrap_or(0);
         let pressure_lock = |name: &str| network.pressure_locks.names().into_iter().position(|known| known == name);
         Self {

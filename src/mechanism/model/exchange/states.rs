@@ -91,6 +91,7 @@ impl Model {
     }
 
     /// Which of the derivatives has this reference.
+    #[inline]
     pub(in crate::mechanism::model) fn unknown_rate(&self, reference: Reference) -> Option<usize> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::State(order @ 1..=2)) => Some(order - 1),

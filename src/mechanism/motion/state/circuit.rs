@@ -7,15 +7,13 @@ use super::inputs::engaged_locks;
 use super::{State, set_locks};
 use crate::codec::record::{Damaged, Record};
 use crate::hydraulics::circuit::SUPPLY;
-use crate::hydraulics::network::definition::HydraulicSystem;
-use crate::hydraulics::network::laws::Laws;
 use crate::integrator::{IntegrationError, Statistics, System};
 use crate::mechanism::definition::{ControlState, DefinitionError, MOST_CONTROL_STATES, Mechanism};
 use crate::mechanism::dynamics::controlled::CONTROLLED;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{DRIVEN, MOTION};
 use crate::mechanism::dynamics::inputs::Inputs;
-use crate::mechanism::dynamics::network::{CAPACITY, NETWORKED, engage_locks, switch_locks};
+use crate::mechanism::dynamics::network::{NETWORKED, engage_locks, switch_locks};
 use crate::mechanism::dynamics::ports::{NetworkPorts, Ports};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
@@ -24,12 +22,13 @@ use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::hydraulic_motion::{Driven, HydraulicMotion};
-use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, recount, refresh, restart};
+use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory, recount, refresh, restart};
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::same_bits;
 use crate::numerics::decimal::Decimal;
 use std::any::Any;
+use std::sync::OnceLock;
 
 /// A motion with the hydraulics that drive it.
 pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
@@ -197,6 +196,64 @@ where
     }
 }
 
+/// Memory of a motion with hydraulics or states of controllers at its start; None of another motion.
+type AtStart = fn(&Mechanism, &Reduced, &Inputs, [f64; 2]) -> Result<Option<Memory>, ModelError>;
+static AT_START: OnceLock<AtStart> = OnceLock::new();
+
+/// State that mechanisms may have hydraulics or states of controllers.
+pub fn allow_hydraulics() {
+    AT_START.get_or_init(|| memory_at_start);
+}
+
+/// Memory of a motion with hydraulics or states of controllers at a start: sigma and whole revolutions. None of
+/// another motion.
+///
+/// # Errors
+/// A circuit or network cannot start so. [`ModelError::NoHydraulics`]: this library has no states of controllers.
+pub fn begin_hydraulics(
+    mechanism: &Mechanism,
+    reduced: &Reduced,
+    inputs: &Inputs,
+    start: [f64; 2],
+) -> Result<Option<Memory>, ModelError> {
+    match AT_START.get() {
+        Some(at_start) => at_start(mechanism, reduced, inputs, start),
+        None if reduced.loading().control_states().next().is_some() => Err(ModelError::NoHydraulics),
+        None => Ok(None),
+    }
+}
+
+fn memory_at_start(
+    mechanism: &Mechanism,
+    reduced: &Reduced,
+    inputs: &Inputs,
+    [sigma, revolutions]: [f64; 2],
+) -> Result<Option<Memory>, ModelError> {
+    let loading = reduced.loading();
+    if let (Some((_, _, circuit)), Some(drive)) = (mechanism.hydraulic_drive(), &loading.hydraulics) {
+        // Its start is no part of the reduced model, which is checked when it is made.
+        circuit.check()?;
+        let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
+        let state = CircuitState { values, ..CircuitState::default() };
+        return Memory::with_circuit(state, loading.ports()).map(Some);
+    }
+    if let (Some(system), Some(drives)) = (&mechanism.hydraulics, &loading.network) {
+        system.check_elements()?;
+        let growth = |load: usize| revolutions * reduced.load_growth(load);
+        let length = |load: &usize| reduced.displacement_at(*load, sigma, 0) + growth(*load);
+        let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
+        let (laws, mut state) = (&drives.laws, CircuitState::default());
+        laws.fill_start(system, &mut state.values);
+        state.values[laws.layout.components()] = laws.volume_at(|cylinder| lengths[cylinder]);
+        engage_locks(laws, &mut state.values);
+        return Memory::with_network(state, loading.ports()).map(Some);
+    }
+    if loading.control_states().next().is_none() {
+        return Ok(None);
+    }
+    Memory::with_control(control_at_start(mechanism)?).map(Some)
+}
+
 /// The states of the controllers of a mechanism at its start, with stated forces alone.
 ///
 /// # Errors
@@ -217,15 +274,6 @@ pub fn control_at_start(mechanism: &Mechanism) -> Result<CircuitState<MOST_CONTR
         }
     }
     Ok(state)
-}
-
-/// The state of a network at its start, at these lengths of the cylinders [m].
-pub fn network_at_start(system: &HydraulicSystem, laws: &Laws, lengths: &[f64]) -> CircuitState<CAPACITY> {
-    let mut state = CircuitState::default();
-    laws.fill_start(system, &mut state.values);
-    state.values[laws.layout.components()] = laws.volume_at(|cylinder| lengths[cylinder]);
-    engage_locks(laws, &mut state.values);
-    state
 }
 
 /// The error of a motion in which a chamber, A or B, of oil without air has come to absolute zero.

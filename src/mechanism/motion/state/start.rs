@@ -2,7 +2,7 @@
 //!
 //! In: the definition's start, inputs, a reduced model. Out: a state at rest or in motion, with the travel between the
 //! stops. It must not know steps.
-use super::circuit::{control_at_start, network_at_start};
+use super::circuit::begin_hydraulics;
 use super::inputs::{Before, engaged_locks};
 use super::ports::check_ports;
 use super::{State, check_length, rates};
@@ -15,7 +15,6 @@ use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::motion::memory::{CircuitState, Memory};
 use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel, within_stops};
 use crate::mechanism::motion::witness::Witness;
@@ -206,28 +205,9 @@ impl State {
         saved.time = Elapsed::default();
         saved.impacts.clear();
         saved.impacts.resize(reduced.loading().stops.len(), Impacts::default());
-        match (mechanism.hydraulic_drive(), &reduced.loading().hydraulics) {
-            (Some((_, _, circuit)), Some(drive)) => {
-                // Its start is no part of the reduced model, which is checked when it is made.
-                circuit.check()?;
-                let values = drive.laws.start(circuit, inputs.reals[drive.first_input + 1]);
-                let state = CircuitState { values, ..CircuitState::default() };
-                saved.memory = Memory::with_circuit(state, reduced.loading().ports())?;
-            }
-            _ => match (&mechanism.hydraulics, &reduced.loading().network) {
-                (Some(system), Some(drives)) => {
-                    system.check_elements()?;
-                    let growth = |load: usize| start.revolutions * reduced.load_growth(load);
-                    let length = |load: &usize| reduced.displacement_at(*load, start.sigma, 0) + growth(*load);
-                    let lengths: Vec<f64> = drives.loads.iter().map(length).collect();
-                    let state = network_at_start(system, &drives.laws, &lengths);
-                    saved.memory = Memory::with_network(state, reduced.loading().ports())?;
-                }
-                _ if reduced.loading().control_states().next().is_some() => {
-                    saved.memory = Memory::with_control(control_at_start(mechanism)?)?;
-                }
-                _ => saved.memory.begin(state_loads.is_some()),
-            },
+        match begin_hydraulics(mechanism, reduced, inputs, [start.sigma, start.revolutions])? {
+            Some(memory) => saved.memory = memory,
+            None => saved.memory.begin(state_loads.is_some()),
         }
         let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
         saved.in_force = is_applied.then(locked);

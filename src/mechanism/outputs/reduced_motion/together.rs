@@ -36,7 +36,7 @@ impl<'a> Outputs<'a> {
         self.view.find_functions(functions);
         let mut sum = 0.0;
         for (value, output) in values.iter_mut().zip(outputs) {
-            let number = evaluate(&mut self.view, self.loading, output).unwrap_or(f64::NAN);
+            let number = evaluate(&mut self.view, self.loading, output).unwrap_or_else(without_value);
             // 0 for a finite number, else NaN.
             let nothing = 0.0 * number;
             sum += nothing;
@@ -68,8 +68,15 @@ impl<'a> Outputs<'a> {
 fn number(value: Result<f64, OutputError>) -> f64 {
     match value {
         Ok(value) if value.is_finite() => value,
-        _ => f64::NAN,
+        Ok(_) => f64::NAN,
+        Err(error) => without_value(error),
     }
+}
+
+/// NaN for an output without a value. The reason is dropped here, so that the other outputs need no code for it.
+#[cold]
+fn without_value(_reason: OutputError) -> f64 {
+    f64::NAN
 }
 
 /// [`evaluate`] as a function of its own, for one output.

@@ -15,6 +15,7 @@ impl StateLoads {
     /// Number of quantities whose signs select a law: the forces of the drives with an efficiency along the curve, then
     /// the normal forces of the prismatic joints with friction, then the distances of forces of controlled drives from
     /// their limits.
+    #[inline]
     pub fn switches(&self) -> usize {
         self.limit_switch(self.limits.len())
     }
@@ -53,11 +54,13 @@ impl StateLoads {
     }
 
     /// Index in `loads` of the load of `bumpers[k]`.
+    #[inline]
     pub fn bumper(&self, k: usize) -> usize {
         self.spring(0) - self.bumpers.len() + k
     }
 
     /// Index in `loads` of the load of `springs[k]`.
+    #[inline]
     pub fn spring(&self, k: usize) -> usize {
         self.free() - self.springs.len() + k
     }
@@ -71,17 +74,20 @@ impl StateLoads {
     }
 
     /// Number of `loads` that are not friction.
+    #[inline]
     pub fn free(&self) -> usize {
         self.loads.len() - self.friction_joints.len()
     }
 
     /// In the bundle: reactions to sigma_dot^2 = 1.
+    #[inline]
     pub fn square(&self) -> Range<usize> {
         let (first, n) = (self.loads.len(), self.friction_joints.len());
         first..first + 2 * n
     }
 
     /// In the bundle: reactions to sigma_ddot = 1.
+    #[inline]
     pub fn inertial(&self) -> Range<usize> {
         let (first, n) = (self.square().end, self.friction_joints.len());
         first..first + 2 * n
@@ -90,18 +96,21 @@ impl StateLoads {
     /// In the bundle: the two forces of each group for friction = 1 of each joint without motion: all first ones, then
     /// all second ones, group by group. They are the components x and y of the reactions of the group; of prismatic
     /// joints the normal force in the first one, and its change with the lever.
+    #[inline]
     pub fn passed(&self) -> Range<usize> {
         let first = self.inertial().end;
         first..first + 2 * self.groups.count() * self.friction_joints.len()
     }
 
     /// In the bundle: reactions to one of the `loads` that are not friction and to the motion that the load causes.
+    #[inline]
     pub fn caused(&self, load: usize) -> Range<usize> {
         let (first, n) = (self.passed().end, self.friction_joints.len());
         first + 2 * n * load..first + 2 * n * (load + 1)
     }
 
     /// In the bundle: first component of the direction of a surface in the mechanism frame; the second follows.
+    #[inline]
     pub fn line(&self, surface: usize) -> usize {
         self.caused(self.free()).start + 2 * surface
     }
@@ -114,11 +123,13 @@ impl StateLoads {
     }
 
     /// In the bundle: the displacement of the load of `springs[k]`.
+    #[inline]
     pub fn stretched(&self, k: usize) -> usize {
         self.pressed(self.bumpers.len()) + k
     }
 
     /// In the bundle: the displacement of the drive `positioned[k]`.
+    #[inline]
     pub fn driven(&self, k: usize) -> usize {
         self.stretched(self.springs.len()) + k
     }
@@ -129,6 +140,7 @@ impl StateLoads {
     }
 
     /// Component of the table: effect of the component `k` of [`super::Components`] in a row.
+    #[inline]
     pub fn given(&self, row: usize, k: usize) -> usize {
         self.bundled() + row * self.given + k
     }

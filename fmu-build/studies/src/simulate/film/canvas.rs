@@ -22,8 +22,9 @@ pub struct Size {
     pub height: u16,
 }
 
-/// Ubuntu Light without hints and tables that films do not use, with the derived name that its licence requires:
-/// `pyftsubset --unicodes='*' --no-hinting --layout-features='' --drop-tables+=kern,GPOS,GSUB,GDEF,DSIG,gasp,VDMX,LTSH`.
+/// Ubuntu Light without hints and tables that films do not use, with the derived name that its licence requires: the
+/// output of `pyftsubset` with the options `--unicodes='*' --no-hinting --layout-features=''` and
+/// `--drop-tables+=kern,GPOS,GSUB,GDEF,DSIG,gasp,VDMX,LTSH`.
 const FONT: &[u8] = include_bytes!("font/ubuntu-light.ttf");
 
 /// The font of all texts, because a machine may have no font.
