@@ -57,7 +57,7 @@ pub struct Rows<'a> {
     pub runs: Range<u64>,
     /// The values of all columns, run by run.
     pub values: Vec<f64>,
-    /// The remarks that are not empty, each with the number of its run, ascending.
+    /// The remarks, each with the number of its run, ascending. A run without one has an empty remark.
     pub remarks: Vec<(u64, Remark<'a>)>,
 }
 
@@ -65,7 +65,7 @@ impl<'a> Rows<'a> {
     /// The remark of each run.
     pub fn remark_of_each(&self) -> impl Iterator<Item = Remark<'a>> {
         let mut next = self.remarks.iter().peekable();
-        self.runs.clone().map(move |run| next.next_if(|(own, _)| *own == run).map_or(Remark::default(), |own| own.1))
+        self.runs.clone().map(move |run| next.next_if(|(own, _)| *own == run).map(|own| own.1).unwrap_or_default())
     }
 }
 

@@ -234,8 +234,8 @@ impl<'a> Runner<'a> {
         Ok(time)
     }
 
-    /// Bring the model into the state just after an event, if the known state on the way is that of this event. Otherwise
-    /// the state does not change.
+    /// Bring the model into the state just after an event, if the known state on the way belongs to this event. Returns
+    /// whether it does; otherwise the state does not change.
     fn step_to_known(&mut self, event: Event, step: &Step) -> Result<bool> {
         let Some(state) = self.waypoint.filter(|state| state.is_stop && step.start == 0.0) else { return Ok(false) };
         let h = state.time + just_after(state.time);
