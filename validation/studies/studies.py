@@ -93,7 +93,7 @@ def cost(way: Way) -> tuple[float, float]:
 TIME = {"met": {"event": "retracted"}}
 """Outputs of a run that the energy integral alone gives."""
 BOTH_STOPS = TIME | {"down": {"event": "extended"}}
-"""The time of this stop, and that of a stop that no run meets."""
+"""The time of this stop, and that of a stop that no run reaches."""
 AT_STOP = TIME | {"impulse": {"final": "upstop.impact_impulse"}}
 """The same outputs, and an output just after the impact."""
 RESTITUTION = {"upstop.restitution": {"values": [0]}}
