@@ -30,6 +30,10 @@ from matplotlib.animation import PillowWriter
 
 STEP = 2e-3
 """Communication step [s]."""
+SWEEP = (0.5e-3, 1e-3, 2e-3, 5e-3, 10e-3, 20e-3)
+"""Communication steps of the table of events [s]."""
+ENDS = ((0, "gear is up"), (1, "gear is down"), (3, "gear is down"))
+"""Events in the table: number of the action of the pilot, text."""
 END = 38.0
 """End of the run [s]."""
 FRAME = 0.25
@@ -372,13 +376,39 @@ def write_film(found: Run, path: Path) -> None:
         plt.close(figure)
 
 
+def phases(found: Run) -> list[dict[str, float]]:
+    """First time of each event after each action of the pilot [s]."""
+    parts: list[dict[str, float]] = []
+    for time, words in found.events:
+        if words.startswith("--"):
+            parts.append({})
+        else:
+            parts[-1].setdefault(words, time)
+    return parts
+
+
+def print_sweep(package: Path) -> None:
+    """Print a row for each communication step: times of the events, the largest difference from the shortest step."""
+    shortest = phases(run(package, SWEEP[0]))
+    for step in SWEEP:
+        found = phases(run(package, step))
+        pairs = zip(found, shortest, strict=True)
+        late = max(abs(part[words] - time) for part, short in pairs for words, time in short.items())
+        times = [f"{found[action][words]:.3f} s" for action, words in ENDS]
+        print(" | ".join([f"| {1e3 * step:g} ms", *times, f"{1e3 * late:.1f} ms |"]), flush=True)
+
+
 def main() -> None:
     """Run the demo."""
     parser = argparse.ArgumentParser(description="Retract and extend a landing gear with door, locks and hydraulics.")
     parser.add_argument("package", type=Path, help="LandingGearSystem.ssp")
     parser.add_argument("--step", type=float, default=STEP, help="communication step [s]")
     parser.add_argument("--out", type=Path, default=Path(), help="folder for system.csv, system.png and system.gif")
+    parser.add_argument("--sweep", action="store_true", help="only print times of events for several steps")
     arguments = parser.parse_args()
+    if arguments.sweep:
+        print_sweep(arguments.package)
+        return
     found = run(arguments.package, arguments.step)
     print(f"steps of {1e3 * arguments.step:g} ms")
     for at, words in found.events:

@@ -17,10 +17,12 @@ import crane  # noqa: E402
 ERRORS = (
     (crane.HELD, 1e-3, 2e-6),
     (crane.HELD, 5e-3, 5e-5),
-    (crane.ITERATED, 10e-3, 3e-4),
-    (crane.ITERATED, 20e-3, 1e-3),
-    (crane.TWO_PASSES, 1e-3, 2e-8),
-    (crane.TWO_PASSES, 5e-3, 1e-5),
+    (crane.CORRECTED, 10e-3, 3e-4),
+    (crane.LINE, 1e-3, 8e-9),
+    (crane.LINE, 5e-3, 3e-6),
+    (crane.TWO_PASSES, 1e-3, 4e-10),
+    (crane.TWO_PASSES, 5e-3, 8e-7),
+    (crane.TWO_PASSES, 20e-3, 1e-3),
 )
 """Scheme, communication step [s], allowed error of an angle [rad]: up to twice the measured error."""
 
@@ -38,6 +40,13 @@ def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(("scheme", "step", "allowed"), ERRORS)
 def test_the_crane_moves_as_one_system(fmu: Path, scheme: str, step: float, allowed: float) -> None:
     assert 0 < crane.error(fmu, step, scheme) < allowed
+
+
+def test_one_cylinder_is_not_limited_by_another(fmu: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(crane, "ACTIVE", np.ones(2))
+    monkeypatch.setattr(crane, "COMMANDS", dict(crane.COMMANDS))
+    crane.remove_jib_cylinder()
+    assert 0 < crane.error(fmu, 20e-3, crane.TWO_PASSES) < 1.3e-5
 
 
 def test_a_plain_exchange_is_lost(fmu: Path) -> None:

@@ -1,8 +1,9 @@
 """The crane of examples/crane and its hydraulics as one system, integrated by SciPy: the reference for a coupling.
 
-Usage: python tests/networks/two_link_crane.py > examples/crane/reference.txt writes times and the angles of boom and
-jib. The equations of the oil are those of integrate.py. The crane's are Lagrange's, from positions and energies. This
-program shares the numbers of the example, and no equation.
+Usage: python tests/networks/two_link_crane.py > examples/crane/reference_both.txt writes times and the angles of boom
+and jib. With the argument `one`, for reference_one.txt, the crane is without the cylinder of the jib. The equations
+of the oil are those of integrate.py. The crane's are Lagrange's, from positions and energies. This program shares the
+numbers of the example, and no equation.
 """
 
 from __future__ import annotations
@@ -51,7 +52,8 @@ def lengths(q: Vector) -> Vector:
     elbow = crane.BOOM * direction(q[0])
     lift = b * direction(q[0]) - a * direction(-crane.TURNED[0])
     jib = elbow + d * direction(q[0] + q[1] + crane.TURNED[1] - np.pi) - (elbow - c * direction(q[0]))
-    return np.sqrt(np.array([lift @ lift, jib @ jib]))
+    found = np.sqrt(np.array([lift @ lift, jib @ jib]))
+    return np.where(crane.ACTIVE, found, crane.UNUSED)
 
 
 def derivative(law: object, q: Vector) -> Vector:
@@ -85,6 +87,8 @@ class Crane(Network):
 
 
 if __name__ == "__main__":
+    if "one" in sys.argv[1:]:
+        crane.remove_jib_cylinder()
     definition = json.loads((FOLDER / "network.json").read_text(encoding="utf-8"))
     for valve, command in crane.COMMANDS.items():
         definition["valves"][valve.split(".")[0]]["command"] = command

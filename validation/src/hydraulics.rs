@@ -1,5 +1,8 @@
-//! Run time of a doStep of the hydraulic actuator through the C functions, with and without preview, and of its set-up.
+//! Cost of a doStep through the C functions: of the hydraulic actuator, with and without preview, and of its set-up; of
+//! a network with two cylinders.
 
+use crate::callgrind::difference;
+use crate::instructions::REPEAT;
 use crate::measure::{self, Asked, Pages, digits, heading, timed};
 use linkage_fmu::fmi2::host::{Description, Host};
 use linkage_fmu::fmi2::types::Status;
@@ -40,6 +43,15 @@ const USES: [Use; 3] = [
     },
 ];
 
+/// Argument of this program for repeated runs of the network.
+pub const NETWORK: &str = "network";
+/// Limit of the time of a step of the network [us].
+const MOST_OF_NETWORK: f64 = 6.0;
+/// Outputs of each cylinder of the network that a host reads before a step, and after it for the next one.
+const FORESEEN: [&str; 3] = ["preview.force_mean", "preview.length", "preview.speed"];
+/// Cylinders of the network.
+const CYLINDERS: [&str; 2] = ["gear", "door"];
+
 fn ok(status: Status, what: &str, host: &Host) -> Result<(), String> {
     match status {
         Status::Ok | Status::Warning => Ok(()),
@@ -62,6 +74,19 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
         let _ = writeln!(csv, "{},{micros:.3}", scene.mode);
         figures.push(Asked::at_most(format!("step of 1 ms at 1e-9, {}", scene.title), micros, scene.most, " us"));
     }
+    let network = Description::read(&descriptions.join("HydraulicSystem"))?;
+    let mut least = vec![f64::INFINITY; (STEPS / PART) as usize];
+    for _ in 0..RUNS {
+        run_network(&network.instantiate(None, false)?, &mut least)?;
+    }
+    let micros = least.iter().sum::<f64>() * 1e6 / f64::from(STEPS);
+    let title = "network with two cylinders, one pass";
+    let _ = writeln!(rows, "| {title} | {} |", digits(micros));
+    let _ = writeln!(csv, "{NETWORK},{micros:.3}");
+    figures.push(Asked::at_most(format!("step of 1 ms at 1e-9, {title}"), micros, MOST_OF_NETWORK, " us"));
+    let counted = difference(|runs| [REPEAT, NETWORK].map(str::to_owned).into_iter().chain([runs]).collect(), 1, 3);
+    let count = counted.map_or("not counted".to_owned(), |all| format!("{:.0}", all / f64::from(STEPS)));
+    let _ = writeln!(rows, "\nInstructions of a step of the network (callgrind): {count}.");
     let mut setup = f64::INFINITY;
     for _ in 0..SETUPS {
         timed(&mut setup, || description.instantiate(None, false).map(|host| host.initialize()))?;
@@ -101,6 +126,36 @@ fn run(host: &Host, scene: &Use, least: &mut [f64]) -> Result<(), String> {
             let status = host.set_rates(motion[1], &rates);
             ok(status, "derivatives", host)?;
             ok(host.step(t, H), "doStep", host)?;
+        }
+        *least = least.min(began.elapsed().as_secs_f64());
+    }
+    Ok(())
+}
+
+/// Run the network some times: for callgrind.
+pub fn repeat(descriptions: &Path, runs: &str) -> Result<(), String> {
+    let network = Description::read(&descriptions.join("HydraulicSystem"))?;
+    let runs: u32 = runs.parse().map_err(|e| format!("{runs}: {e}"))?;
+    (0..runs).try_for_each(|_| {
+        run_network(&network.instantiate(None, false)?, &mut [f64::INFINITY; (STEPS / PART) as usize])
+    })
+}
+
+/// A run of the network, whose cylinders move as foreseen; keeps the time of each part [s] in `least` if it is less.
+fn run_network(host: &Host, least: &mut [f64]) -> Result<(), String> {
+    ok(host.set("preview.horizon", H), "preview.horizon", host)?;
+    ok(host.initialize(), "initialise", host)?;
+    let names = |quantities: &[&str]| -> Vec<u32> {
+        let all = quantities.iter().flat_map(|quantity| CYLINDERS.map(|name| format!("{name}.{quantity}")));
+        all.map(|name| host.reference(&name)).collect()
+    };
+    let (reads, motion, mut values) = (names(&FORESEEN), names(&["length", "speed"]), [0.0; 6]);
+    for (part, least) in (0..).zip(least) {
+        let began = Instant::now();
+        for step in part * PART..(part + 1) * PART {
+            ok(host.reals(&reads, &mut values), "preview", host)?;
+            ok(host.step(f64::from(step) * H, H), "doStep", host)?;
+            ok(host.set_reals(&motion, &values[2..]), "motion", host)?;
         }
         *least = least.min(began.elapsed().as_secs_f64());
     }

@@ -55,6 +55,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions, [scene, reads, steps, repetitions])
         }
+        &[instructions::REPEAT, hydraulics::NETWORK, runs] => hydraulics::repeat(&descriptions, runs),
         &[versions::CALLS, version, call, repetitions] => {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }

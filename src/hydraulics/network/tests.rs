@@ -4,6 +4,7 @@ mod derivatives;
 mod ends;
 mod events;
 mod limits;
+mod supply;
 
 use super::Model;
 
@@ -374,13 +375,6 @@ fn implausible_networks_are_warned_of() {
         let text = warned(from, to);
         assert!(words.iter().all(|word| text.contains(word)), "{text}");
     }
-    let text = SYSTEM.replace("\"down_line\": {", "\"lonely\": { \"volume\": 1e-4 }, \"down_line\": {");
-    let text = text.replace("\"supply\": \"supply\", \"return\"", "\"supply\": \"lonely\", \"return\"");
-    let all = Model::from_json(&text).unwrap().warnings();
-    assert!(
-        all.iter().any(|one| one.to_string().contains("valves.selector.supply: nothing but this valve")),
-        "{all:?}"
-    );
 }
 
 /// A refused call leaves the state as it was; calls out of order are refused by name.

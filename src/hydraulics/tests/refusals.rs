@@ -33,6 +33,9 @@ fn what_a_host_should_know_is_told_once() {
     assert!(drift.contains("actuator.length = 0.6 m") && drift.contains("0.577 m"), "{drift}");
     let horizon = warning(&[("actuator.reduced_mass", 700.0), ("preview.horizon", 2e-3)], "preview", 1e-3).unwrap();
     assert!(horizon.contains("preview.horizon is 0.002 s"), "{horizon}");
+    // The difference of two times is the step but for rounding.
+    let rounded = [("actuator.reduced_mass", 700.0), ("preview.horizon", 1e-3)];
+    assert_eq!(warning(&rounded, "preview", 2.001 - 2.0), None);
     let unstable = warning(&[("actuator.reduced_mass", 700.0), ("preview.horizon", 5e-3)], "follow", 5e-3).unwrap();
     assert!(unstable.contains("coupling.stable_step"), "{unstable}");
     let toggle = [("actuator.reduced_mass", 1e6), ("actuator.reduced_mass_derivative", 1e9), ("actuator.speed", 1.0)];

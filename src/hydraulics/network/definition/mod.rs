@@ -8,6 +8,7 @@ mod connections;
 mod cylinders;
 mod ports;
 mod sections;
+mod supply;
 mod warnings;
 
 use crate::format::{

@@ -23,7 +23,7 @@ impl HydraulicSystem {
 
     /// Warnings about a network that is probably not the one that is meant.
     pub fn warnings(&self) -> Vec<Finding> {
-        let (mut all, links, highest) = (Vec::new(), self.links(), self.highest());
+        let (mut all, links, highest) = (self.supply_warnings(), self.links(), self.highest());
         let ports = Ports::new(self);
         let mut warn =
             |path: String, message: &dyn fmt::Display, remedy: &str| all.push(Finding::warning(path, message, remedy));
@@ -33,13 +33,13 @@ impl HydraulicSystem {
                     link.port == port && link.name != except && (link.carries_flow() || link.group == "accumulators")
                 })
         };
-        for link in links.iter().filter(|link| link.group == "valves" && matches!(link.key, "supply" | "return")) {
+        for link in links.iter().filter(|link| link.group == "valves" && link.key == "return") {
             if !feeds(link.port, link.name) {
                 let message = format_args!(
-                    "nothing but this valve is connected to \"{}\", so the valve has no {} line",
-                    link.port, link.key
+                    "nothing but this valve is connected to \"{}\", so the valve has no return line",
+                    link.port
                 );
-                warn(link.path(), &message, "connect another element to this port, such as a pump or a reservoir");
+                warn(link.path(), &message, "connect another element to this port, such as a reservoir");
             }
         }
         for name in &ports.names()[ports.nodes..ports.volumes] {

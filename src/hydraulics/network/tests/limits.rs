@@ -34,3 +34,14 @@ fn the_prediction_ends_at_the_limit() {
     assert_eq!(length, limit);
     assert_eq!(["door.preview.speed", "door.preview.acceleration"].map(|name| host.get(name)), [0.0, 0.0]);
 }
+
+/// The difference of two times is the announced step but for rounding; another step is none.
+#[test]
+fn a_step_is_compared_with_the_horizon_but_for_rounding() {
+    for (step, warns) in [(2.001 - 2.0, false), (1e-3 * (1.0 + 1e-8), true)] {
+        let mut host = Host::start(SYSTEM);
+        host.set("preview.horizon", 1e-3);
+        host.0.step(step).unwrap();
+        assert_eq!(host.0.take_warning().is_some(), warns, "{step}");
+    }
+}
