@@ -8,8 +8,8 @@ const LICENSE: &str =
 const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: the author of the model";
 
 super::keys! {
-    /// Author, copyright and licence of a model, one line of text each. The program writes these texts into the file
-    /// `modelDescription.xml` of the FMU.
+    /// Author, copyright and licence of a model, one line of text each. The program writes the texts of `about` into
+    /// the file `modelDescription.xml` of the FMU.
     pub struct About {
         /// Name and organisation of the model's author. If the text `author` is empty, the FMU states no author.
         author: String => line();

@@ -9,7 +9,7 @@ super::keys! {
     pub struct Experiment: Copy {
         /// Time at which the default run ends [s], > 0.
         stop_time: f64 = 1.0 => number(Unit::Second, Range::Positive).required();
-        /// Communication step that the FMU proposes to the simulation tool [s], > 0.
+        /// Communication step size that the FMU proposes to the simulation tool [s], > 0.
         step_size: f64 = 1e-3 => number(Unit::Second, Range::Positive).required();
     }
 }

@@ -100,7 +100,7 @@ pub fn implausible(path: &str, value: f64) -> Option<(String, &'static str)> {
 
 fn unusual(value: f64, [least, most]: [f64; 2], unit: &str) -> String {
     let unit = if unit == "1" { String::new() } else { [" ", unit].concat() };
-    format!("is {}{unit}; usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most))
+    format!("is {}{unit}, but usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most))
 }
 
 /// Warnings about a circuit whose keys stand under `path`, which is empty or ends with a dot; `value`: the start value

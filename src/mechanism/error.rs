@@ -161,8 +161,8 @@ impl fmt::Display for ModelError {
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::RigidFem(RigidFemError::Substeps { count, limit }) => write!(
                 f,
-                "the step needs {count:e} steps of solver.fem_step, but solver.max_steps allows {limit:e}: use \
-                 shorter communication steps, or increase solver.fem_step or solver.max_steps"
+                "the communication step needs {count:e} internal steps of solver.fem_step, but solver.max_steps \
+                 allows {limit:e}: use shorter communication steps, or increase solver.fem_step or solver.max_steps"
             ),
             Self::RigidFem(e) => write!(f, "solver.method = \"rigid_fem\": {e}"),
             Self::NotInRigidFem { name, value, remedy } if value.is_empty() => write!(
@@ -187,7 +187,7 @@ impl fmt::Display for ModelError {
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),
             Self::Calculated { name, text, names } => {
                 let remedy = match names.as_slice() {
-                    [] => "change the number in the definition file".to_owned(),
+                    [] => "change this number in the definition file".to_owned(),
                     names => format!("set {}", names.join(" or ")),
                 };
                 write!(f, "{name} is calculated from \"{text}\" and cannot be set: {remedy}")

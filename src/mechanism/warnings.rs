@@ -50,7 +50,7 @@ pub fn of_jump(mechanism: &Mechanism, [here, there]: [f64; 2]) -> Option<Finding
     let (key, remedy) = match motion.profile {
         Some(_) => (
             "points",
-            format!("let the table start with 0 {unit} at time 0, because the distances count from the start position"),
+            format!("let the table start with 0 {unit} at time 0, because its distances count from the start position"),
         ),
         None => ("position", format!("write {here}, or start the mechanism at the position {there} of the drive")),
     };

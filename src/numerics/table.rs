@@ -26,7 +26,7 @@ pub struct Unresolved {
 
 impl fmt::Display for Unresolved {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "component {} of a table is not smooth at the curve parameter sigma = {}", self.component, self.sigma)
+        write!(f, "component {} of a table is not smooth at sigma = {} along the motion", self.component, self.sigma)
     }
 }
 

@@ -8,7 +8,7 @@ pub const PACKAGE: &str = "\
 Examples:
   Pack your mechanism for this machine, for FMI 2.0 and 3.0:
     cargo fmu package gear.json --out fmus
-  Pack for Linux and Windows, FMI 2.0 only:
+  Pack your mechanism for Linux and Windows, for FMI 2.0 only:
     cargo fmu package gear.json --fmi 2 --platforms x86_64-linux,x86_64-windows
   Pack a landing gear with its hydraulic actuator as an SSP package:
     cargo fmu package --ssp system.json --out fmus";
@@ -16,7 +16,7 @@ Examples:
 /// Examples of `check`.
 pub const CHECK: &str = "\
 Examples:
-  Print errors, warnings, travel, drives and equilibria:
+  Print errors, warnings, travel, drives and equilibria of a mechanism:
     cargo fmu check gear.json
   Check two mechanisms in a CI job: a warning is a failure too, and the result is JSON:
     cargo fmu check gear.json door.json --deny-warnings --json";
@@ -34,7 +34,7 @@ pub const VALIDATE: &str = "\
 Examples:
   Check one FMU before you send it to someone:
     cargo fmu validate Gear.fmu
-  Check an FMU of FMI 3.0 and a definition:
+  Check an FMU of FMI 3.0, and check the FMU of a definition:
     cargo fmu validate Gear.fmi3.fmu gear.json";
 
 /// Examples of `view`.
@@ -42,7 +42,7 @@ pub const VIEW: &str = "\
 Examples:
   Show the moving mechanism in the browser:
     cargo fmu view gear.json --open
-  Write a page of 3 s of motion at 3 g:
+  Write a page with 3 s of the motion at a load factor of 3:
     cargo fmu view gear.json --out gear.html --stop-time 3 --start-values load_factor 3
   Edit the mechanism in the browser, and see the motion of each change:
     cargo fmu view gear.json --live --open";
@@ -50,12 +50,12 @@ Examples:
 /// Examples of `simulate`.
 pub const SIMULATE: &str = "\
 Examples:
-  Run the default experiment, and write all outputs and a plot:
+  Run the default experiment of a mechanism, and write all outputs and a plot:
     cargo fmu simulate gear.json --output-file run.csv --plot run.png
-  Run 6 s with other start values, and record two variables:
+  Run a mechanism for 6 s with other start values, and record two variables:
     cargo fmu simulate gear.json --stop-time 6 --start-values load_factor 3 crank.start_angle 45deg \\
       --output-variables crank.angle jack.force --output-file run.parquet
-  Run with the values of an SSP parameter set:
+  Run a mechanism with the values of an SSP parameter set:
     cargo fmu simulate gear.json --parameters heavy.ssv --output-file run.csv";
 
 /// Examples of `import`.
@@ -77,7 +77,7 @@ Examples:
 /// Examples of `sweep`.
 pub const SWEEP: &str = "\
 Examples:
-  Make all runs of a study, and draw the results:
+  Simulate all variants of a study, and draw the results:
     cargo fmu sweep study.json --page
   Continue a study that was stopped, with 4 threads:
     cargo fmu sweep study.json --out results --resume --threads 4";
@@ -85,9 +85,9 @@ Examples:
 /// Examples of `optimise`.
 pub const OPTIMISE: &str = "\
 Examples:
-  Search for the best design:
+  Search for the best design of a study:
     cargo fmu optimise study.json --out best
-  Write all evaluations as CSV, and draw them:
+  Write all evaluations of a study as CSV, and draw the evaluations:
     cargo fmu optimise study.json --csv --page";
 
 /// Examples of `demo`.
@@ -103,9 +103,9 @@ Examples:
 /// Examples of `docs`.
 pub const DOCS: &str = "\
 Examples:
-  Build the website:
+  Build the website of the documentation:
     cargo fmu docs
-  Build the website, and show it in the browser:
+  Build the website of the documentation, and open it in the browser:
     cargo fmu docs --open";
 
 /// Examples of `chain`.
@@ -119,7 +119,7 @@ Examples:
 /// Examples of `report`.
 pub const REPORT: &str = "\
 Examples:
-  Recompute all figures of the report:
+  Recompute all results of the report:
     cargo fmu report
   Write the report to another folder:
     cargo fmu report --out results";
@@ -127,9 +127,9 @@ Examples:
 /// Examples of `dist`.
 pub const DIST: &str = "\
 Examples:
-  Build a wheel for this machine, and test it:
+  Build a Python wheel for this machine, and test the wheel:
     cargo fmu dist --test
-  Build a wheel for old Linux systems that packs FMUs for Linux and Windows:
+  Build a Python wheel for old Linux systems that packs FMUs for Linux and Windows:
     cargo fmu dist --platforms x86_64-linux,x86_64-windows --glibc 2.17";
 
 /// Examples of `test`.

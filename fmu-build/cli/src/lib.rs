@@ -68,8 +68,8 @@ pub enum Task {
     /// Write the definition of a chain of N four-bar linkages, a benchmark for multibody programs
     #[command(after_help = examples::CHAIN)]
     Chain(Chain),
-    /// Compute the figures of the papers on which the models are based, with FMPy: validation/report.md, report.html
-    /// and figures
+    /// Recompute with FMPy the results of the papers on which the models are based, and write validation/report.md,
+    /// report.html and figures
     #[command(after_help = examples::REPORT)]
     Report(Report),
     /// Build a Python wheel of this program, for machines without Rust
@@ -132,7 +132,7 @@ pub struct View {
     /// until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
-    /// Port of the live page on 127.0.0.1 [default: a free port]
+    /// Port of the page of --live on 127.0.0.1 [default: a free port]
     #[arg(
         long, value_name = "PORT", requires = "live",
         conflicts_with_all = ["out", "start_values", "compare", "compare_set"]
@@ -273,11 +273,11 @@ pub enum ImportForm {
     PmksPlus,
     /// Pyslvs: an expression M[J[...], ...]
     Pyslvs,
-    /// MuJoCo: XML
+    /// MJCF file of MuJoCo (XML)
     Mjcf,
-    /// ROS: XML
+    /// URDF file of ROS (XML)
     Urdf,
-    /// Gazebo: XML
+    /// SDF file of Gazebo (XML)
     Sdf,
     /// Table of joints: CSV with the columns type, x [m], y [m], angle [deg], links, driven
     Table,
@@ -328,10 +328,10 @@ pub struct Sweep {
     /// Folder for the results (runs.parquet) [default: target/sweep/<name of the study> in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write the results as runs.csv
+    /// Also write the results of all runs as runs.csv
     #[arg(long)]
     pub csv: bool,
-    /// Draw the results: page.html for the browser, and pictures as PNG
+    /// Draw the results of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
     /// Continue a study that was stopped before its last run
@@ -361,7 +361,7 @@ pub struct Optimise {
     /// Also write all evaluations as evaluations.csv
     #[arg(long)]
     pub csv: bool,
-    /// Draw the evaluations: page.html for the browser, and pictures as PNG
+    /// Draw the evaluations of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
     /// Number of threads [default: one for each processor core]

@@ -107,9 +107,9 @@ pub enum Fmi {
 /// Conventions of FMI for names of variables (FMI 2.0.5, 2.2.9).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
 pub enum Naming {
-    /// Dots in the names have no meaning
+    /// Dots in the variable names have no meaning
     Flat,
-    /// Dots structure the names
+    /// Dots divide the variable names into levels
     #[default]
     Structured,
 }
@@ -167,7 +167,7 @@ pub struct Test {
     /// Write the result of --platforms to validation/results/platforms.md
     #[arg(long, requires = "platforms")]
     pub write: bool,
-    /// Run only this test: build the library in two folders, and compare the bytes
+    /// Run only the test that builds the library in two folders and compares the bytes
     #[arg(long, conflicts_with = "platforms")]
     pub reproducible: bool,
 }

@@ -96,8 +96,8 @@ fn locked(folder: &Path) -> io::Result<fs::File> {
     Ok(file)
 }
 
-/// Interpreter of an environment with these requirements: the one in which this program is installed, if it has the
-/// extra, else the one in `folder`, which is created if necessary.
+/// Python interpreter with these requirements: that of this program if it has the extra, or that of the virtual
+/// environment in `folder`. The virtual environment is created if it does not exist.
 ///
 /// # Errors
 /// There is no interpreter, it has no `venv`, or the requirements cannot be installed.

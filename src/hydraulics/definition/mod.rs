@@ -75,7 +75,7 @@ keys! {
 
     /// Settings of the time integration.
     pub struct Solver: Copy {
-        /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
+        /// Relative tolerance of the time integration of the mechanism [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
         /// Largest number of integration steps in one communication step [1]. The number must be a whole number.

@@ -34,11 +34,11 @@ keys! {
     /// Differential cylinder.
     pub struct Cylinder: Copy {
         /// Diameter of the piston [m], > 0.
-        bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston");
+        bore: f64 = 0.045 => number(Metre, Length).parameter(Circuit, "Diameter of the piston of the cylinder");
         /// Diameter of the piston rod [m], >= 0. The rod diameter must be smaller than the key `bore`.
-        rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the rod");
+        rod: f64 = 0.025 => number(Metre, NonNegative).parameter(Circuit, "Diameter of the piston rod of the cylinder");
         /// Travel of the piston between the fully retracted and the fully extended position [m], > 0.
-        stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston");
+        stroke: f64 = 0.330 => number(Metre, Length).parameter(Circuit, "Travel of the piston in the cylinder");
         /// Distance between the attachment points of the fully retracted actuator [m], >= 0.
         closed_length: f64 = 0.412 => number(Metre, NonNegative).parameter(Circuit, "Distance between the attachment \
             points of the fully retracted actuator");
@@ -105,7 +105,7 @@ keys! {
         /// Natural frequency of the valve spool [Hz], > 0.
         frequency: f64 = 60.0 => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool");
         /// Damping ratio of the motion of the valve spool [1], > 0.
-        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool");
+        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of the valve");
     }
 
     /// Restrictor in the line of chamber A, for flow out of the chamber.
@@ -208,7 +208,7 @@ keys! {
         /// friction are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the
         /// speed v = 0.
         transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of \
-            the smooth reversal of the friction force of the seals");
+            the smooth reversal of the friction force of the seals of the cylinder");
         /// Viscous friction coefficient of the seals: force divided by speed [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction \
             coefficient of the seals");

@@ -6,16 +6,16 @@ use crate::variables::Unit::{Kilogram, KilogramSquareMetre, Metre, MetrePerSecon
 
 keys! {
     /// The object `drawn` states coordinates of the body's points in the mechanism frame, from a drawing that shows the
-    /// mechanism in one position. The program computes lengths, points in the frame of the body, and the guess from
-    /// the coordinates.
+    /// mechanism in one position. From the coordinates in `drawn`, the program computes lengths, points in the frame of
+    /// the body, and the guess.
     pub struct Drawn {
         /// Coordinates of the body's point `origin` in the drawing [m].
         origin: [f64; 2] => number(Metre, Range::Coordinate).required();
         /// Coordinates of the body's point `end` in the drawing [m]. The x axis of the body points from `origin` to
         /// `end`. The distance between `origin` and `end` is the length of the body.
         end: Option<[f64; 2]> => number(Metre, Range::Coordinate);
-        /// Angle from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle` is not allowed
-        /// together with `end`.
+        /// Angle in the drawing from the X axis of the mechanism frame to the x axis of the body [rad]. The key `angle`
+        /// is not allowed together with `end`.
         angle: Option<f64> => number(Radian, Range::Finite).absent("0");
         /// Coordinates of additional points of the body in the drawing, by name [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate);
@@ -28,8 +28,7 @@ keys! {
     /// Each body is rigid and has its own coordinate system, the body frame. The point `origin` is the origin of the
     /// body frame. The x axis passes through the point `end`, at the distance `length` from the origin.
     pub struct Body {
-        /// Point (`body.point`) of another body, for a rigid connection. The origin of the present body is fixed to
-        /// this point.
+        /// Point (`body.point`) of another body, to which the origin of the present body is rigidly fixed.
         fixed_to: Option<String> => point();
         /// Angle from the x axis of the body in `fixed_to` to the x axis of the present body [rad]. The key `angle` is
         /// allowed only together with `fixed_to`.
@@ -40,8 +39,8 @@ keys! {
         /// Mass of the body [kg], >= 0. If no body has a mass or an inertia, the FMU computes only the motion, without
         /// forces.
         mass: Option<f64> => number(Kilogram, Range::NonNegative).parameter(Role::Inertia, "Mass").absent("0");
-        /// Mass distribution of the body. `uniform_rod`: the mass is distributed evenly from the point `origin` to the
-        /// point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
+        /// Mass distribution of the body. With `uniform_rod` the mass is distributed evenly from the point `origin` to
+        /// the point `end`. Without the key `shape`, the keys `center` and `inertia` state the mass distribution.
         shape: Option<Shape>;
         /// Centre of mass in the frame of the body [m]. The key `center` is not allowed together with `shape`.
         center: Option<[f64; 2]> =>
@@ -50,11 +49,12 @@ keys! {
         /// `shape`.
         inertia: Option<f64> => number(KilogramSquareMetre, Range::NonNegative)
             .parameter(Role::Inertia, "Moment of inertia about the centre of mass").absent("0");
-        /// Axial stiffness E A of the body as an elastic rod between its two joints, for the method `rigid_fem` (key
-        /// `solver.method`) only [N], > 0. The key `axial_stiffness` is not allowed together with `fixed_to`.
+        /// Axial stiffness E A of the body as an elastic rod between its two joints, used only by the method
+        /// `rigid_fem` (key `solver.method`) [N], > 0. The key `axial_stiffness` is not allowed together with
+        /// `fixed_to`.
         axial_stiffness: Option<f64> =>
             number(Newton, Range::Positive).parameter(Role::Elasticity, "Axial stiffness E A");
-        /// Additional points by name: coordinates [x, y] in the frame of the body [m].
+        /// Additional points of the body by name: coordinates [x, y] in the frame of the body [m].
         points: Named<[f64; 2]> => number(Metre, Range::Coordinate).parameter(Role::Geometry, "Point");
         /// Coordinates of the body's points in a drawing that shows the mechanism in one position. Use the key `drawn`
         /// in place of `length`, `points` and `center`.
@@ -79,50 +79,54 @@ keys! {
         first: String => point().required();
         /// Point (`body.point`) of the second body.
         second: String => point().required();
-        /// Prismatic joint only: direction of sliding, as an angle in the frame of the first body [rad].
+        /// Allowed only for a prismatic joint: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding in the joint @, as an angle \
                 in the frame of the first body").absent("0");
-        /// Prismatic joint only: angle from the x axis of the first body to the x axis of the second body [rad].
+        /// Allowed only for a prismatic joint: angle from the x axis of the first body to the x axis of the second body
+        /// [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
                 axis of the second body in the joint @").absent("0");
-        /// Slot only: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of the joint.
+        /// Allowed only for a slot: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of
+        /// the joint.
         radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
-        /// Slot with `radius` only: direction from the centre to the start of the slot, as an angle in the frame of the
-        /// first body [rad]. The position of the joint is measured anticlockwise from the start of the slot.
+        /// Allowed only for a slot with `radius`: direction from the arc centre to the start of the slot, as an angle
+        /// in the frame of the first body [rad]. The position of the joint is measured anticlockwise from the start of
+        /// the slot.
         from_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
-        /// Slot with `radius` only: direction from the centre to the end of the slot, as an angle in the frame of the
-        /// first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full revolution.
+        /// Allowed only for a slot with `radius`: direction from the arc centre to the end of the slot, as an angle in
+        /// the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full
+        /// revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
             .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
-        /// Slot only: points [x, y] of a curved slot, relative to the first point of the joint, in the axes of the
-        /// first body [m, m]. The slot is a smooth curve through the points. The position of the joint increases in the
-        /// order of the points.
+        /// Allowed only for a slot: points [x, y] of a curved slot, relative to the first point of the joint, in the
+        /// axes of the first body [m, m]. The slot is a smooth curve through the points of `path`. The position of the
+        /// joint increases in the order of these points.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
-        /// Revolute joint only: radius of the pin, for the friction torque [m], >= 0. Without the key `pin_radius` the
-        /// joint has no friction.
+        /// Allowed only for a revolute joint: radius of the pin, for the friction torque [m], >= 0. Without the key
+        /// `pin_radius` a revolute joint has no friction due to its reaction.
         pin_radius: Option<f64> =>
             number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
-        /// Coefficient of static friction in this joint [1], >= 0. Default: the `static_coefficient` of the key
+        /// Coefficient of static friction in the joint [1], >= 0. Default: the `static_coefficient` of the key
         /// `friction`.
         static_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in the joint @");
-        /// Coefficient of kinetic friction in this joint [1], >= 0. Default: the `kinetic_coefficient` of the key
+        /// Coefficient of kinetic friction in the joint [1], >= 0. Default: the `kinetic_coefficient` of the key
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
             number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
         /// Constant friction force of a prismatic joint or a slot, or constant friction torque of a revolute joint [N
-        /// or N.m], >= 0. The constant friction does not depend on the force in the joint, and can hold the joint at
-        /// rest. The key `frictionloss` does not need the key `friction`.
+        /// or N.m], >= 0. The constant friction `frictionloss` does not depend on the force in the joint, and can hold
+        /// the joint at rest. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
         /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
         /// position of a prismatic joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
-        /// where rate is the relative speed of the two bodies. For a geared motor, `armature` is the inertia of the
-        /// motor times the square of the gear ratio.
+        /// where rate is the relative speed of the two bodies of the joint. For a geared motor, `armature` is the
+        /// inertia of the motor times the square of the gear ratio.
         armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
             .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
     }
@@ -136,9 +140,10 @@ keys! {
     pub struct Friction: Copy {
         /// true: the joints have friction. false: the joints have no friction.
         enabled: Option<bool> =>
-            Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: no friction").absent("false");
-        /// Friction law below `static_speed`. `viscous`: friction is proportional to the slip speed and cannot hold the
-        /// mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
+            Key::PLAIN.parameter(Role::Load, "true: the joints have friction; false: the joints have no friction")
+            .absent("false");
+        /// Friction law at slip speeds below `static_speed`. `viscous`: friction is proportional to the slip speed and
+        /// cannot hold the mechanism at rest. `stick`: Coulomb friction, which can hold the mechanism at rest.
         law: FrictionLaw => Key::PLAIN.brief();
         /// Coefficient of static friction mu_S [1], >= 0. With the law `stick` the static coefficient must be at least
         /// as large as the kinetic coefficient.
@@ -148,7 +153,7 @@ keys! {
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of kinetic friction of joints that state no other value").required();
         /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], >= 0. With the law
-        /// `viscous` V_S must be > 0.
+        /// `viscous` the slip speed V_S must be > 0.
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static coefficient");
         /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], >= 0. V_d must be

@@ -14,17 +14,17 @@ const CLOSE: f64 = 1e-9;
 const FEWEST: usize = 3;
 
 keys! {
-    /// A segment is the lift over a part of one revolution of a cam. The follower is at rest at both ends of the
+    /// A segment states the lift over a part of one revolution of a cam. The follower is at rest at both ends of the
     /// segment.
     pub struct CamSegment: Copy {
         /// Motion law of the lift over the segment. `dwell`: the lift is constant.
         law: CamLaw => Key::PLAIN.required();
-        /// Cam angle over which the segment extends [rad], > 0. Only for the last segment, the key `angle` may be
-        /// absent: the last segment then extends to the end of the revolution.
+        /// Cam angle over which the segment extends [rad], > 0. The key `angle` may be absent only in the last segment,
+        /// which then extends to the end of the revolution.
         angle: Option<f64> => number(Radian, Range::Revolution);
         /// Change of the cam's lift over the segment, positive or negative [m or rad]. For an oscillating follower the
-        /// lift is an angle in rad. A segment with the law `dwell` cannot have the key `rise`. Only for the last
-        /// segment, the key `rise` may be absent: the lift then returns to 0.
+        /// lift is an angle in rad. A segment with the law `dwell` cannot have the key `rise`. The key `rise` may be
+        /// absent only in the last segment: the lift then returns to 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }

@@ -177,7 +177,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         all.push(Finding::warning(
             key,
             "all points have the force 0, so the damper has no effect",
-            "give the points forces, or remove them",
+            "give at least one point of the curve a force other than 0, or remove the curve",
         ));
         return;
     }
@@ -188,7 +188,12 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
             Decimal(a),
             Decimal(b)
         );
-        all.push(Finding::warning(key, message, "use forces that rise with the speed, unless the fall is intended"));
+        all.push(Finding::warning(
+            key,
+            message,
+            "use damper forces that rise with the speed, unless the fall is \
+                                                 intended",
+        ));
     }
     for (is_missing, word) in [
         (points.first().is_some_and(|point| point[0] >= 0.0), "negative"),
@@ -199,7 +204,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
                 "the curve has no point at a {word} speed, so the force at {word} speeds continues with the slope at \
                  rest"
             );
-            all.push(Finding::warning(key, message, "add points for both directions of motion"));
+            all.push(Finding::warning(key, message, "add points of the curve for both directions of motion"));
         }
     }
 }
@@ -210,7 +215,7 @@ fn warn_of_drive(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         all.push(Finding::warning(
             key,
             "all points have the force 0, so the drive never moves the mechanism",
-            "give the points forces, or remove them",
+            "give at least one point of the curve a force other than 0, or remove the curve",
         ));
         return;
     }

@@ -7,31 +7,31 @@ use crate::variables::Unit::{
 };
 
 keys! {
-    /// A stop ends the travel of the mechanism on one side. A stop limits one quantity: the angle of a body, the
+    /// A stop ends the travel of the mechanism on one side. Each stop limits one quantity: the angle of a body, the
     /// position of a prismatic joint, the angle of a revolute joint, the distance between two points, or the angle
     /// between two bodies.
     pub struct Stop {
-        /// Body whose angle is limited.
+        /// Body whose angle the stop limits.
         body: Option<String> => element();
-        /// Joint whose position or angle is limited, in place of the key `body`.
+        /// Joint whose position or angle the stop limits, in place of the key `body`.
         joint: Option<String> => element();
-        /// First of two points (`body.point`) whose distance is limited, in place of the key `body`.
+        /// First of two points (`body.point`) whose distance the stop limits, in place of the key `body`.
         first: Option<String> => point();
-        /// Second of the two points (`body.point`) whose distance is limited.
+        /// Second of the two points (`body.point`) whose distance the stop limits.
         second: Option<String> => point();
-        /// First of two bodies between which the angle is limited, in place of the key `body`.
+        /// First of two bodies between which the stop limits the angle, in place of the key `body`.
         first_body: Option<String> => element();
-        /// Second of the two bodies between which the angle is limited. The angle of the stop is the angle of
+        /// Second of the two bodies between which the stop limits the angle. The angle of the stop is the angle of
         /// `second_body` relative to `first_body`.
         second_body: Option<String> => element();
         /// Kind of limit. `lower`: the stop limits the angle, position or distance from below. `upper`: the stop limits
         /// the angle, position or distance from above.
         limit: Limit => Key::PLAIN.required();
-        /// Limit of the angle [rad]: the angle of the body, or for a revolute joint or two bodies the angle of the
+        /// Limit of the angle at the stop [rad]: for the key `body` the angle of the body, otherwise the angle of the
         /// second body relative to the first body.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Angle at the stop @");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit angle at the stop @");
         /// Position of the prismatic joint or of the slot at the stop [m].
-        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Position at the stop @");
+        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit position at the stop @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
             points at the stop @");
@@ -42,18 +42,19 @@ keys! {
         rigid: Option<bool> => Key::PLAIN
             .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
                 damper that only pushes").absent("true");
-        /// Rigid stop only: speed after an impact divided by the speed before the impact [1], 0 to 1.
+        /// For a rigid stop: speed after an impact divided by the speed before the impact [1], 0 to 1.
         restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
             by the speed before the impact");
-        /// Bumper only: stiffness of the bumper [N/m or N.m/rad], >= 0.
+        /// For a bumper: stiffness of the bumper [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Law, "Stiffness of the stop @, if the stop is a bumper");
-        /// Bumper only: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
+        /// For a bumper: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
-        /// Bumper only: additional force as a curve over the compression [m or rad, N or N.m]. State pairs of
-        /// compression and force. The first pair must be [0, 0], and the force must not decrease with the compression.
-        /// Beyond the last pair, the force curve is a straight line.
+        /// For a bumper: additional force as a curve over the compression [m or rad, N or N.m]. The list
+        /// `points` contains pairs of compression and force. The first pair of `points` must be [0, 0], and the force
+        /// must not decrease with the compression. Beyond the last pair, the force curve of the bumper is a straight
+        /// line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate).brief();
         /// Name of the stop's Boolean output, which is true while the mechanism is at the stop or beyond the stop.
         /// Default: `<name>.reached`.
@@ -61,9 +62,9 @@ keys! {
     }
 
     /// A lock holds the mechanism at a stop while the input `<name>.engage` is true. The force of the lock acts on the
-    /// point `at`, along the path of this point.
+    /// point `at`, along the path of the point `at`.
     pub struct Lock {
-        /// Stop at which the lock holds the mechanism.
+        /// Name of the stop at which the lock holds the mechanism.
         stop: String => element().required();
         /// Point (`body.point`) on which the force of the lock acts.
         at: String => point().required();

@@ -24,38 +24,40 @@ pub enum ControlState {
 keys! {
     /// The object `control` describes a controller of a drive. The force of the drive is force + position_gain *
     /// (command - x) + speed_gain * (command_speed - dx/dt) + integral part, limited to the range from min_force to
-    /// max_force. Here x is the length, position or angle of the drive, and force is the input `<name>.force` or
-    /// `<name>.torque`. The controller is continuous and has no sampling time.
+    /// max_force. In the formula of the controller, x is the length, position or angle of the drive, and force is the
+    /// input `<name>.force` or `<name>.torque`. The controller of a drive is continuous and has no sampling time.
     pub struct Control: Copy {
-        /// Position gain [N/m or N.m/rad], >= 0. The input `<name>.command` is the commanded length, position or angle
-        /// of the drive.
+        /// Position gain of the controller [N/m or N.m/rad], >= 0. The input `<name>.command` is the commanded length,
+        /// position or angle of the drive.
         position_gain: Option<f64> => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
             .parameter(Role::Law, "Position gain");
-        /// Speed gain [N.s/m or N.m.s/rad], >= 0. The input `<name>.command_speed` is the commanded speed of the drive.
+        /// Speed gain of the controller [N.s/m or N.m.s/rad], >= 0. The input `<name>.command_speed` is the commanded
+        /// speed of the drive.
         speed_gain: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
             .parameter(Role::Law, "Speed gain");
-        /// Integral gain [N/(m.s) or N.m/(rad.s)], >= 0. The integral part of the force changes at the rate
-        /// integral_gain * (command - x). The key `integral_gain` is allowed only together with `position_gain`.
+        /// Integral gain of the controller [N/(m.s) or N.m/(rad.s)], >= 0. The integral part of the drive force changes
+        /// at the rate integral_gain * (command - x), where x is the length, position or angle of the drive. The key
+        /// `integral_gain` is allowed only together with `position_gain`.
         integral_gain: Option<f64> => either([NewtonPerMetreSecond, NewtonMetrePerRadianSecond], Range::NonNegative)
             .parameter(Role::Law, "Integral gain").brief();
-        /// Time constant with which the integral part follows the force while the force is at a limit (anti-windup by
-        /// back-calculation) [s], > 0. Default: position_gain / integral_gain.
+        /// Time constant with which the integral part follows the drive force while the drive force is at a limit
+        /// (anti-windup by back-calculation) [s], > 0. Default: position_gain / integral_gain.
         tracking_time: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Law, "Tracking time of the integral part").brief();
-        /// Integral part of the force at the start [N or N.m].
+        /// Integral part of the drive force at the start of the run [N or N.m].
         start_integral: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::CircuitStart, "Integral part of the force at the start").absent("0").brief();
         /// Time constant T with which the force of the drive follows the force of the controller [s], > 0: dF/dt =
         /// (F_controller - F) / T. For an electric motor, T is the time constant of the current control. Without the
-        /// key `force_time_constant` the force follows without delay.
+        /// key `force_time_constant` the force of the drive follows the force of the controller without delay.
         force_time_constant: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Law, "Time constant of the force").brief();
-        /// Largest size of the time derivative dF/dt of the force [N/s or N.m/s], > 0. The key `max_force_rate` is
-        /// allowed only together with `force_time_constant`.
+        /// Largest size of the time derivative dF/dt of the drive force F [N/s or N.m/s], > 0. The key `max_force_rate`
+        /// is allowed only together with `force_time_constant`.
         max_force_rate: Option<f64> => either([NewtonPerSecond, NewtonMetrePerSecond], Range::Positive)
-            .parameter(Role::Law, "Largest rate of the force").brief();
-        /// Force of the drive at the start [N or N.m]. Default: the force of the controller at the start. The key
-        /// `start_force` is allowed only together with `force_time_constant`.
+            .parameter(Role::Law, "Largest rate of change of the force").brief();
+        /// Force of the drive at the start of the run [N or N.m]. Default: the force of the controller at the start of
+        /// the run. The key `start_force` is allowed only together with `force_time_constant`.
         start_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::CircuitStart, "Force of the drive at the start").brief();
         /// Start value of the input `<name>.command` [m or rad]. The key `command` is allowed only together with
@@ -64,10 +66,12 @@ keys! {
         /// Start value of the input `<name>.command_speed` [m/s or rad/s]. The key `command_speed` is allowed only
         /// together with `speed_gain`.
         command_speed: Option<f64> => either([MetrePerSecond, RadianPerSecond], Range::Finite).absent("0");
-        /// Smallest force or torque of the drive [N or N.m]. Without the key `min_force` the force has no lower limit.
+        /// Smallest force or torque of the drive [N or N.m]. Without the key `min_force` the force of the drive has no
+        /// lower limit.
         min_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::Law, "Smallest force or torque");
-        /// Largest force or torque of the drive [N or N.m]. Without the key `max_force` the force has no upper limit.
+        /// Largest force or torque of the drive [N or N.m]. Without the key `max_force` the force of the drive has no
+        /// upper limit.
         max_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
             .parameter(Role::Law, "Largest force or torque");
     }

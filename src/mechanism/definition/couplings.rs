@@ -23,25 +23,25 @@ keys! {
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The type
         /// `screw` is always an error: define a screw by the key `screw` of an actuator.
         kind as "type": CouplingKind => Key::PLAIN.required();
-        /// Centre (`body.point`) of the first wheel or of the cam. A revolute joint connects the point `first` to the
-        /// carrier.
+        /// Centre (`body.point`) of the first wheel or of the cam. The definition must have a revolute joint between
+        /// the point `first` and the carrier of the coupling.
         first: String => point().required();
-        /// Centre (`body.point`) of the second wheel or of an oscillating follower. A revolute joint connects the point
-        /// `second` to the carrier.
+        /// Centre (`body.point`) of the second wheel or of an oscillating follower. The definition must have a revolute
+        /// joint between the point `second` and the carrier of the coupling.
         second: Option<String> => point();
-        /// Body that carries both wheels. Default: the ground.
+        /// Body that carries both wheels of the coupling. Default: the ground.
         carrier: Option<String> => element().absent("\"ground\"");
-        /// Prismatic joint in which the rack or the translating follower slides on the carrier.
+        /// Prismatic joint in which the rack or the translating follower slides on the carrier of the coupling.
         joint: Option<String> => element();
         /// Elliptic gears: eccentricity of both pitch curves [1], from 0 to 0.9.
         eccentricity: Option<f64> =>
             number(One, Range::Eccentricity).parameter(Role::Geometry, "Eccentricity of the pitch curves");
-        /// Elliptic gears: number of lobes of each wheel [1], a whole number. With 1 lobe the pitch curve is an ellipse
-        /// that turns about its focus.
+        /// Elliptic gears: number of lobes of each wheel [1], a whole number. With 1 lobe the pitch curve of the wheel
+        /// is an ellipse that turns about its focus.
         lobes: Option<f64> => number(One, Range::Count).parameter(Role::Geometry, "Number of lobes of each \
             wheel").absent("1");
         /// Elliptic gears: direction from the centre of rotation of the first wheel to the nearest vertex of its pitch
-        /// curve, as an angle in the frame of the wheel [rad].
+        /// curve, as an angle in the frame of the first wheel [rad].
         vertex_angle: Option<f64> =>
             number(Radian, Range::Turn).parameter(Role::Geometry, "Direction from the centre of the first wheel of @ \
                 to the nearest vertex of the pitch curve, as an angle in the frame of the wheel").absent("0");
@@ -54,9 +54,9 @@ keys! {
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the base circle");
         /// Cam: radius of the roller [m], > 0.
         roller_radius: Option<f64> => number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the roller");
-        /// Cam with a flat-faced follower: direction along the face, as an angle in the frame of the follower [rad].
-        /// Default: perpendicular to the direction of sliding for a translating follower, and along the x axis of the
-        /// follower for an oscillating follower.
+        /// Cam with a flat-faced follower: direction along the flat face, as an angle in the frame of the follower
+        /// [rad]. Default: perpendicular to the direction of sliding for a translating follower, and along the x axis
+        /// of the follower for an oscillating follower.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
             face of the follower of @, as an angle in the frame of the follower");
         /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0
@@ -115,12 +115,12 @@ keys! {
         /// that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
-        /// Without the key `backward_efficiency`, the efficiency is equal in both directions of the power flow. Without
-        /// the key `efficiency` the coupling has no losses.
+        /// Without the key `backward_efficiency`, the efficiency of the coupling is equal in both directions of the
+        /// power flow. Without the key `efficiency` the coupling has no losses.
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency");
         /// Gears, rack, belt: efficiency of the coupling for the power flow from the second body to the first body, 0
-        /// to 1 [1]. With the value 0 the coupling is self-locking: the second body cannot drive the first body. The
-        /// key `backward_efficiency` needs the key `efficiency`.
+        /// to 1 [1]. With `backward_efficiency` = 0 the coupling is self-locking: the second body cannot drive the
+        /// first body. The key `backward_efficiency` needs the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the second body to the first body of");
     }

@@ -22,8 +22,8 @@ const OPEN: f64 = 1e-3;
 const ZERO: f64 = 1e-12;
 
 keys! {
-    /// Units of the angles and lengths in the mechanism file. All other numbers of the file are in SI units. The
-    /// variables of the FMU are always in SI units.
+    /// Units of the angles and lengths in the mechanism file. All numbers of the mechanism file other than angles and
+    /// lengths are in SI units. The variables of the FMU are always in SI units.
     pub struct Units: Copy {
         /// Unit of all angles in the mechanism file.
         angle: Option<AngleUnit> => Key::PLAIN.absent("\"rad\"");

@@ -12,30 +12,30 @@ keys! {
         angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::StartPosition, "");
         /// Prismatic joint or slot whose position determines the start position.
         joint: Option<String> => element();
-        /// Start position of the prismatic joint that the key `joint` names [m].
+        /// Start position of the prismatic joint or slot that the key `joint` names [m].
         position: Option<f64> => number(Metre, Range::Finite).parameter(Role::StartPosition, "");
         /// Start speed of the body in `body` or of the joint in `joint` [m/s or rad/s].
         speed: f64 => either([MetrePerSecond, RadianPerSecond], Range::Finite).parameter(Role::StartSpeed, "");
-        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The equilibrium is
-        /// computed with the loads at the start of the run.
+        /// true: the run starts at the stable equilibrium that is nearest to the stated position. The program computes
+        /// the equilibrium with the loads at the start of the run.
         equilibrium: bool => Key::PLAIN.brief();
     }
 
-    /// Settings of the time integration.
+    /// Settings of the time integration of the mechanism.
     pub struct Solver {
-        /// Relative tolerance of the time integration [1], 1e-14 to 0.1.
+        /// Relative tolerance of the time integration of the mechanism [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
         /// The reference speed is the speed of the mechanism if the present loads move the mechanism from rest over 1
-        /// rad. Small values of `speed_floor` make slow creep accurate.
+        /// rad. With a small value of `speed_floor` slow creep is computed accurately.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
             "Smallest speed to which the relative tolerance refers, as a fraction of the speed of the mechanism if \
                 the present loads move the mechanism from rest over 1 rad",
         );
-        /// Largest number of integration steps in one communication step [1], a whole number. The number of integration
-        /// steps includes rejected steps, substeps of the method `rigid_fem`, and events.
+        /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
+        /// of the method `rigid_fem`, and events count as integration steps.
         max_steps: f64 = Self::MAX_STEPS => number(One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
         /// Model of the motion, and start value of the variable `solver.method`. `reduced`: rigid bodies. `rigid_fem`:

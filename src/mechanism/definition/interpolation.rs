@@ -128,7 +128,7 @@ fn warn_of_digits(key: &str, of: &str, points: &[[f64; 2]], second: impl Fn(f64)
              causes up to about {part:.0} % of the acceleration",
             Decimal(unit)
         );
-        let remedy = "give values with more digits, or give fewer points";
+        let remedy = "give the values of the points with more digits, or give fewer points";
         all.push(Finding::warning(format_args!("{key}.points"), message, remedy));
     }
 }

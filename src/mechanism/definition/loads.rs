@@ -23,7 +23,7 @@ keys! {
         /// Upward direction, as an angle from the X axis of the mechanism frame [rad].
         up_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Upward direction, as an angle from the X axis of the mechanism frame").required();
-        /// Start value of the input `load_factor`, which is a factor of all weights [1].
+        /// Start value of the input `load_factor`, by which all weights are multiplied [1].
         load_factor: f64 = 1.0 => number(One, Range::Finite);
     }
 
@@ -39,7 +39,8 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the drive acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of the two bodies between which the drive exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the drive exerts a torque. The bodies `first_body` and `second_body`
+        /// need no common joint.
         first_body: Option<String> => element();
         /// Second of the two bodies between which the drive exerts a torque. The angle of the drive is the angle of
         /// `second_body` relative to `first_body`.
@@ -51,27 +52,30 @@ keys! {
         /// [N.m]. The key `torque` is allowed only in a revolute joint, between two bodies or together with `screw`.
         torque: Option<f64> => number(NewtonMetre, Range::Finite).absent("0");
         /// Efficiency eta of the drive [1], > 0 and <= 1: the fraction of the power that is not lost. Without the key
-        /// `backward_efficiency`, the efficiency is equal in both directions of the power flow ([CK16] eq. (5)).
+        /// `backward_efficiency`, the efficiency of the drive is equal in both directions of the power flow ([CK16] eq.
+        /// (5)).
         efficiency: Option<f64> => number(One, Range::Fraction).parameter(Role::Load, "Efficiency").absent("1");
         /// Efficiency of the drive for the power flow from the mechanism to the drive [1], 0 to 1. Default: the value
         /// of the key `efficiency`. The value 0 is allowed only for a drive with a `screw` that has an `inertia`: the
         /// screw locks itself, so that no load on the nut turns the screw.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
-        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs are the share
-        /// of the body in the reduced mass and in the static load, and the ratios between the speeds of drive and body.
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs for a body
+        /// are its share in the reduced mass and in the static load of the drive, and the ratios between the speeds of
+        /// drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
-        /// The input `<name>.command` is a factor of the additional force. State pairs of speed and force in the order
-        /// of increasing speed. Beyond the first and the last pair, the force-speed curve is a straight line. The key
-        /// `points` is not allowed together with `hydraulics` or `motion`.
+        /// The input `<name>.command` is a factor of the force of the curve `points`. The list `points` contains pairs
+        /// of speed and force in the order of increasing speed. Beyond the first and the last pair, the force-speed
+        /// curve is a straight line. The key `points` is not allowed together with `hydraulics` or `motion`.
         points: Option<Vec<[f64; 2]>> => curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre],
             Range::Coordinate).brief();
         /// Start value of the input `<name>.command`, the factor of the force of the curve `points` [1]. The key
         /// `command` is allowed only together with `points`.
         command: Option<f64> => number(One, Range::Finite).absent("1").brief();
         /// Screw that converts the rotation of a motor into the stroke of the drive. The input of a drive with a screw
-        /// is the torque of the motor. The key `screw` is not allowed in a revolute joint or between two bodies.
+        /// is the torque of the motor that turns the screw. The key `screw` is not allowed in a revolute joint or
+        /// between two bodies.
         screw: Option<Screw> => Key::PLAIN.brief();
         /// Controller of the drive, with gains for position and speed and with limits of the force. The key `control`
         /// is not allowed together with `points`, `hydraulics` or `motion`.
@@ -96,7 +100,7 @@ keys! {
 
     /// An external force acts on a point of a body, with components in the mechanism frame.
     pub struct Force {
-        /// Point of application (`body.point`).
+        /// Point (`body.point`) on which the force acts.
         at: String => point().required();
         /// Components of the force [N]: start values of the variables `<name>.force_x` and `<name>.force_y`.
         force: [f64; 2] => number(Newton, Range::Finite).parameter(Role::Load, "Constant force");
@@ -108,19 +112,19 @@ keys! {
     pub struct Torque {
         /// Body on which the torque acts.
         on: String => element().required();
-        /// Start value of the variable `<name>.torque` [N.m].
+        /// Start value of the variable `<name>.torque`, the external torque [N.m].
         torque: f64 => number(NewtonMetre, Range::Finite).parameter(Role::Load, "Constant torque");
         /// true: the torque is a parameter. false: the torque is an input.
         constant: bool;
     }
 
     /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
-    /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. In a prismatic
-    /// joint, the position of the joint replaces the length, and a positive force moves the second body against the
-    /// direction of the axis. In a revolute joint or between two bodies, the torque preload + stiffness * (angle -
-    /// free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the spring is the angle of the
-    /// second body relative to the first body. The spring force also includes the forces of the keys `points`,
-    /// `damping_points` and `gas`.
+    /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. For a spring in
+    /// a prismatic joint, the position of the joint replaces the length, and a positive force moves the second body
+    /// against the direction of the axis. For a spring in a revolute joint or between two bodies, the torque preload +
+    /// stiffness * (angle - free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the
+    /// spring is the angle of the second body relative to the first body. The spring force also includes the forces of
+    /// the keys `points`, `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
@@ -128,7 +132,8 @@ keys! {
         second: Option<String> => point();
         /// Joint in which the spring acts, in place of the keys `first` and `second`.
         joint: Option<String> => element();
-        /// First of the two bodies between which the spring exerts a torque. The two bodies need no common joint.
+        /// First of the two bodies between which the spring exerts a torque. The bodies `first_body` and `second_body`
+        /// need no common joint.
         first_body: Option<String> => element();
         /// Second of the two bodies between which the spring exerts a torque. The angle of the spring is the angle of
         /// `second_body` relative to `first_body`.
@@ -145,21 +150,23 @@ keys! {
         /// Angle of the spring at which the torque of the linear spring equals `preload` [rad]. The key `free_angle` is
         /// allowed only in a revolute joint or between two bodies.
         free_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Free angle").absent("0");
-        /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive force pulls the
-        /// ends of the spring together. A positive torque turns the second body clockwise, relative to the first body.
+        /// Force or torque of the linear spring at its free length or free angle [N or N.m]. A positive preload force
+        /// pulls the ends of the spring together. A positive preload torque turns the second body of the spring
+        /// clockwise, relative to the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
             "Preload").absent("0");
-        /// Additional pulling force as a curve over the length, position or angle of the spring [m or rad, N or N.m].
-        /// State pairs of length and force in the order of increasing length. Beyond the first and the last pair, the
-        /// force curve is a straight line.
+        /// Additional pulling force of the spring as a curve over the length, position or angle of the spring [m or
+        /// rad, N or N.m]. The list `points` contains pairs of length and force in the order of increasing length.
+        /// Beyond the first and the last pair, the force curve is a straight line.
         points: Option<Vec<[f64; 2]>> => curve([Metre, Radian], [Newton, NewtonMetre], Range::Coordinate);
-        /// Additional damping force as a curve over the speed of extension or rotation. State pairs of speed and
-        /// pulling force [m/s or rad/s, N or N.m] in the order of increasing speed. The damping curve must pass through
-        /// [0, 0], and each force must have the sign of its speed. Beyond the first and the last pair, the damping
-        /// curve is a straight line.
+        /// Additional damping force of the spring as a curve over the speed of extension or rotation. The list
+        /// `damping_points` contains pairs of speed and pulling force [m/s or rad/s, N or N.m] in the order of
+        /// increasing speed. The damping curve must pass through [0, 0], and each force must have the sign of its
+        /// speed. Beyond the first and the last pair, the damping curve is a straight line.
         damping_points: Option<Vec<[f64; 2]>> =>
             curve([MetrePerSecond, RadianPerSecond], [Newton, NewtonMetre], Range::Coordinate).brief();
-        /// Gas filling of a gas spring. Only for a spring between two points or in a prismatic joint.
+        /// Gas filling of a gas spring. The key `gas` is allowed only for a spring between two points or in a prismatic
+        /// joint.
         gas: Option<Gas>;
     }
 
@@ -173,15 +180,16 @@ keys! {
         /// Area on which the gas pressure acts [m2], > 0. If the gas is on both sides of the piston, `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Area of the gas pressure").required();
+            .parameter(Role::Load, "Area on which the gas pressure of @ acts").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
-        /// Polytropic exponent [1], from 1 to 2. Use 1 for slow (isothermal) motion, and 1.4 for fast motion with
-        /// nitrogen.
+        /// Polytropic exponent of the gas [1], from 1 to 2. Use the exponent 1 for slow (isothermal) motion, and 1.4
+        /// for fast motion with nitrogen.
         exponent: f64 => number(One, Range::Polytropic).parameter(Role::Load, "Polytropic exponent of the \
             gas").required();
-        /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere.
+        /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere,
+        /// 101325 Pa.
         ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute pressure of \
             the surrounding air");
     }
@@ -196,8 +204,8 @@ keys! {
         flow_angle: f64 => number(Radian, Range::Finite)
             .parameter(Role::Load, "Direction of the air flow, as an angle from the X axis of the mechanism \
                 frame").required();
-        /// true: the drag depends on the air velocity relative to the moving surface. false: the drag depends on the
-        /// airspeed only.
+        /// true: the drag of a surface depends on the air velocity relative to the moving surface. false: the motion of
+        /// the surface has no effect on its drag.
         relative_wind: bool => Key::PLAIN.parameter(
             Role::Load,
             "true: drag depends on the air velocity relative to the moving surface; false: drag depends on the \
@@ -215,17 +223,17 @@ keys! {
         from: Option<String> => point();
         /// Point (`body.point`) at the second end of a strip, on the same body.
         to: Option<String> => point();
-        /// Width of a surface that is a strip [m], >= 0.
+        /// Width of a strip [m], >= 0.
         width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
-        /// Area: point (`body.point`) at which the drag acts.
+        /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
         /// Area of a surface that has the key `at` [m2], >= 0.
         area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without the key
-        /// `surface_angle`, the projected area is equal in all directions of the flow.
+        /// `surface_angle`, the projected area of the surface is equal in all directions of the flow.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
             the surface @, as an angle in the frame of the body");
-        /// Drag coefficient c [1], >= 0.
+        /// Drag coefficient c of the surface [1], >= 0.
         drag_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Drag coefficient of the surface @").required();
     }

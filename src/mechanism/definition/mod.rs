@@ -84,8 +84,8 @@ pub const GROUND: &str = "ground";
 /// Largest miss of a crossing that is put right, relative to the size of the mechanism, where the file does not say.
 pub const SNAP: f64 = 1e-6;
 keys! {
-    /// The file mechanism.json defines a planar linkage with one degree of freedom. Numbers are in SI units. Angles
-    /// are in rad and count anticlockwise.
+    /// The file mechanism.json defines a planar linkage with one degree of freedom. Numbers in mechanism.json are in SI
+    /// units. Angles are in rad and count anticlockwise.
     pub struct Mechanism {
         /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
         /// use the key `$schema`.
@@ -96,11 +96,11 @@ keys! {
         description: String => line();
         /// Author, copyright and licence of the model, for the file `modelDescription.xml` of the FMU.
         about: About => Key::PLAIN.brief();
-        /// Path of a file with named parameters that several mechanisms share. The path is relative to the folder of
-        /// the mechanism file.
+        /// Path of a file with named parameters that several mechanisms share, relative to the folder of the mechanism
+        /// file.
         shared as "parameters_from": Option<Shared> => Key::PLAIN.brief();
-        /// Named parameters for use in expressions. Each parameter is a number, an expression, or an object with value
-        /// and unit.
+        /// Named parameters for use in expressions. Each named parameter is a number, an expression, or an object with
+        /// value and unit.
         parameters: Named<NamedParameter> => Key::PLAIN.brief();
         /// Parameters whose values are expressions of others.
         expressions: Expressions => Key { is_written_only: true, ..Key::PLAIN }.brief();
@@ -124,7 +124,7 @@ keys! {
         /// the speed and the reduced mass at the drive.
         actuators: Named<Actuator>;
         /// Hydraulic network that drives the mechanism: the content of a `network.json`. Each cylinder of the network
-        /// moves the actuator that has the same name as the cylinder. Mechanism and network are integrated as one
+        /// moves the actuator that has the same name as the cylinder. The FMU integrates mechanism and network as one
         /// system.
         hydraulics: Option<HydraulicSystem> => Key::PLAIN.brief();
         /// Forces on points by name, with components in the mechanism frame.
@@ -154,13 +154,13 @@ keys! {
         guess: Named<f64> => either([Unit::Metre, Unit::Radian], Range::Coordinate);
         /// Tolerance for change points (positions from which two different motions are possible), relative to the size
         /// of the mechanism [1], from 0 to 0.01. If rounded lengths miss a change point by less than `snap`, the
-        /// program corrects the lengths. The corrected mechanism passes exactly through the change point. The value 0
-        /// means: no correction.
+        /// program corrects the lengths. The corrected mechanism passes exactly through the change point. With `snap` =
+        /// 0 the program corrects no lengths.
         snap: Option<f64> => number(Unit::One, Range::Snap).absent("1e-6").brief();
         /// true: the FMU has two additional outputs, the eigenfrequency and the damping ratio of small motions about
         /// the present state.
         linearisation: bool => Key::PLAIN.brief();
-        /// Settings of the time integration.
+        /// Settings of the time integration of the mechanism.
         solver: Solver;
         /// Default experiment of the FMU: stop time and step size.
         experiment: Experiment;

@@ -12,8 +12,8 @@ keys! {
     /// Prescribed motion of a drive, either by the inputs `<name>.motion.position`, `.speed` and `.acceleration` or by
     /// a profile over time.
     pub struct PrescribedMotion {
-        /// Start value of the input `<name>.motion.enabled`. true: the motion is prescribed. false: the input force or
-        /// torque of the drive acts.
+        /// Start value of the input `<name>.motion.enabled`. true: the motion of the drive is prescribed. false: the
+        /// input force or torque of the drive acts.
         enabled: bool = true;
         /// Start value of the input `<name>.motion.position`: length, position or angle of the drive [m or rad]. The
         /// key `position` is allowed only without the key `profile`.
@@ -25,12 +25,13 @@ keys! {
         /// [s], >= 0.
         start_time: Option<f64> => number(Second, Range::NonNegative)
             .parameter(Role::Load, "Time at rest before the start of the prescribed motion").absent("0");
-        /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for
-        /// `trapezoid` and `table`, whose duration follows from other keys, and for `constant_speed`, which has no end.
+        /// Duration of the motion that the profile describes [s], > 0. The key `duration` is not allowed for the
+        /// profiles `trapezoid` and `table`, whose other keys determine the duration, and for `constant_speed`, which
+        /// has no end.
         duration: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Load, "Duration of the prescribed motion");
-        /// Distance of the motion, positive or negative [m or rad], from the position at which the motion is first
-        /// prescribed.
+        /// Distance over which the profile moves the drive, positive or negative [m or rad], from the position at which
+        /// the motion is first prescribed.
         distance: Option<f64> =>
             either([Metre, Radian], Range::Coordinate).parameter(Role::Load, "Distance of the prescribed motion");
         /// Profile `trapezoid`: largest speed of the drive [m/s or rad/s], > 0. Profile `constant_speed`: speed of the

@@ -8,9 +8,10 @@ use crate::format::{
 use crate::variables::Unit;
 
 keys! {
-    /// A named parameter is a number, an expression or an object, for use in expressions.
+    /// A named parameter is a number, an expression, or an object with value and unit. Expressions can contain named
+    /// parameters.
     pub struct NamedParameter or (Short::First) {
-        /// Value in SI units: a number or an expression.
+        /// Value of the parameter in SI units: a number or an expression.
         value: f64 => number(Unit::One, Range::Finite).parameter(Role::Named, "").required();
         /// Unit of the parameter.
         unit: Unit;
@@ -18,13 +19,13 @@ keys! {
         description: String => line();
     }
 
-    /// Several mechanisms can share a file with named parameters. The key `parameters_from` states the path of this
-    /// file, relative to the folder of the mechanism file. The FMU contains a copy of the shared file.
+    /// Several mechanisms can share a file with named parameters. The key `parameters_from` states the path of the
+    /// shared file, relative to the folder of the mechanism file. The FMU contains a copy of the shared file.
     pub struct Shared or (Short::First) {
         /// Path of the file of shared parameters.
         file: String => Key::PLAIN.required();
-        /// Copy of the file of shared parameters inside an FMU. The command `package` writes the key `contents`. Do not
-        /// write this key yourself.
+        /// Copy of the file of shared parameters inside an FMU. The command `package` writes the key `contents` into
+        /// the FMU. Do not write the key `contents` yourself.
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
@@ -35,7 +36,7 @@ keys! {
         schema as "$schema": Option<String>;
         /// Description, one line of text.
         description: String;
-        /// The shared parameters by name.
+        /// Shared parameters by name.
         parameters: Named<NamedParameter>;
     }
 }

@@ -111,7 +111,7 @@ impl Mechanism {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
                     "is a bumper without stiffness, damping and points, so this stop never pushes",
-                    "add stiffness, or \"rigid\": true",
+                    "add the key stiffness, or write \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
                     format_args!(
@@ -139,7 +139,7 @@ impl Mechanism {
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),
                     message,
-                    "add stiffness, or remove the spring",
+                    "add the key stiffness, or remove the spring",
                 ));
             }
         }
@@ -149,7 +149,7 @@ impl Mechanism {
         for (name, body) in self.bodies.iter() {
             if body.shape.is_some() && body.mass.is_none() {
                 let message = "this key describes the mass distribution, but the body has no mass";
-                let remedy = "add the key mass";
+                let remedy = "add the key mass to the body";
                 all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
             }
             let Some([x, y]) = body.center else { continue };
@@ -287,7 +287,7 @@ impl Mechanism {
             let of_mass = if is_thin { format!(" and has {} kg", Decimal::rounded(mass)) } else { String::new() };
             let message = format_args!("the body is {} m long{of_mass}", Decimal::rounded(largest.0));
             let remedy = match self.file_units.has_millimetres() {
-                true => "check the lengths, which are in mm",
+                true => "check the lengths of the body, which are in mm",
                 false => "if you mean millimetres, add \"units\": { \"length\": \"mm\" }",
             };
             all.push(Finding::warning(format_args!("bodies.{}", largest.1), message, remedy));

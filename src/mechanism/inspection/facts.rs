@@ -334,7 +334,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
                     Decimal::rounded(stop.value * PI / 180.0)
                 )
             }
-            false => "correct the value, or write \"enabled\": false".to_owned(),
+            false => "correct the value of the stop, or write \"enabled\": false".to_owned(),
         };
         let (factor, unit) = match stop.quantity {
             "angle" if file_units.has_degrees() => (180.0 / PI, "deg"),

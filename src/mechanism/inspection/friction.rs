@@ -51,7 +51,7 @@ pub fn add((reduced, state): (&Reduced, &State), inputs: &Inputs, [low, high]: [
         "friction locks slow motion in {count} ranges of the travel under the loads at the start: a run that reaches \
          one of these ranges ends with an error"
     );
-    let remedy = "reduce the coefficients or the pin radii, or add stops before these ranges";
+    let remedy = "reduce the coefficients of friction or the pin radii, or add stops before the ranges of this warning";
     out.findings.push(Finding::warning("friction", message, remedy));
 }
 

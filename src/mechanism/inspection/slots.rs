@@ -22,6 +22,6 @@ pub(super) fn warn(linkage: &Linkage, coordinate: usize, [least, most]: [f64; 2]
         Decimal::rounded(least),
         Decimal::rounded(most)
     );
-    let remedy = "make the slot longer, or add stops with this joint at the positions of its ends";
+    let remedy = "make the slot of this joint longer, or add stops with the key joint at the two ends of the slot";
     out.findings.push(Finding::warning(format_args!("joints.{name}"), message, remedy));
 }

@@ -131,8 +131,8 @@ pub(super) fn add_energy(b: &mut Builder) {
     b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, kinetic);
     let text = "Potential energy of gravity (at the present load factor) and of springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
-    let text = "Integration error as an energy: present energy minus the energy at the start, minus the work of all \
-        loads since the start";
+    let text = "Integration error of the mechanism as an energy: present energy minus the energy at the start, minus \
+                the work of all loads since the start of the run";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }
 

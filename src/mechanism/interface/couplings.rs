@@ -24,7 +24,8 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
     if !is_cam {
-        let text = "Transmitted force (positive if it drives the second body forward)";
+        let text = "Transmitted force (positive if it drives the second body of the coupling in the positive \
+                    direction)";
         add("transmitted_force", text, ReactionPart::Moment);
         let is_loss = |own: &FrictionJoint| own.joint == joint && own.kind == FrictionKind::Coupling;
         let Some(friction_joint) = friction_joints.iter().position(is_loss) else { return };

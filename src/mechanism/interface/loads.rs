@@ -119,7 +119,7 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
     let name = &s.loading.stops[stop].name;
     let size = "; for a bumper: reduced mass times the speed at first contact";
     let parts = [
-        ("impact_count", ["Number of impacts on the stop ", " since the start"], One, ImpactPart::Count),
+        ("impact_count", ["Number of impacts on the stop ", " since the start of the run"], One, ImpactPart::Count),
         (
             "impact_time",
             ["Time of the last impact on the stop ", "; -1 s before the first impact"],

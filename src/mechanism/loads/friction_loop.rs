@@ -90,7 +90,7 @@ pub struct Locked;
 
 impl fmt::Display for Locked {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("reactions and friction have no common solution")
+        f.write_str("the equations of reactions and friction have no common solution")
     }
 }
 

@@ -218,8 +218,10 @@ impl Loading {
                 Some(body) => {
                     let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
-                        let message =
-                            format!("{body} does not turn: give a body that turns, a joint, two points or two bodies");
+                        let message = format!(
+                            "{body} does not turn, so it has no angle: name a body that turns, a joint, two \
+                             points or two bodies"
+                        );
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));
                     }
                     Load::Torque { body: carrier, shift }

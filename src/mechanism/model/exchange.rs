@@ -390,8 +390,10 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     if let Some(period) = reduced.period() {
         let revolutions = ((x - first) / period).floor();
         if revolutions.abs() > MOST_REVOLUTIONS {
-            let why =
-                format!("the position state is {} m, which is more revolutions than the program can count", Decimal(x));
+            let why = format!(
+                "the position state of the mechanism is {} m, which is more revolutions than the program can count",
+                Decimal(x)
+            );
             return Err(NoValue::AtState(why));
         }
         return Ok(((x - revolutions * period).clamp(first, last), revolutions));
@@ -399,8 +401,8 @@ fn place(reduced: &Reduced, state: &State, x: f64) -> Result<(f64, f64), NoValue
     let too_far = |end: f64| {
         let (x, end, at) = (Decimal(x), Decimal(end), state.describe(reduced));
         let why = format!(
-            "the position state is {x} m, beyond the end of the travel at {end} m; the previous position was {at}; use \
-             a shorter step"
+            "the position state of the mechanism is {x} m, beyond the end of the travel at {end} m; the previous \
+             position was {at}; use a shorter step"
         );
         Err(NoValue::AtState(why))
     };

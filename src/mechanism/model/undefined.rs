@@ -92,18 +92,19 @@ impl Model {
             Ok(value) if value.is_finite() => return None,
             Ok(value) if value.is_nan() && !self.inputs.reals.iter().any(|input| input.abs() > HUGE) => {
                 format!(
-                    "the value is indeterminate at {}, because this position is a dead centre, or two motions are \
-                     possible from this position",
+                    "the value of the output is indeterminate at {}, because this position is a dead centre, or two \
+                     motions are possible from this position",
                     state.describe(reduced)
                 )
             }
             Ok(_) => {
-                "the value is larger than the largest number with the present inputs and parameters: check their values"
+                "the value of the output is larger than the largest number with the present inputs and parameters: \
+                 check the values of inputs and parameters"
                     .into()
             }
             Err(OutputError::Table(at)) => {
                 format!(
-                    "near {}, the value is not a smooth function of the position of the mechanism",
+                    "near {}, the output is not a smooth function of the position of the mechanism",
                     reduced.curve().describe(at.sigma, state.revolutions)
                 )
             }

@@ -206,11 +206,14 @@ impl SavedState {
             let (exists, what) = match event {
                 Event::Regime(joint) => (
                     joint < state_loads.map_or(0, |s| s.friction_joints.len()),
-                    format!("index of an event = {joint}: the mechanism has no joint with friction with this index"),
+                    format!(
+                        "index of the saved event = {joint}: the mechanism has no joint with friction that has \
+                             this index"
+                    ),
                 ),
                 Event::Bumper(bumper) => (
                     bumper < bumpers,
-                    format!("index of an event = {bumper}: the mechanism has no bumper with this index"),
+                    format!("index of the saved event = {bumper}: the mechanism has no bumper that has this index"),
                 ),
                 Event::Stop(place) => {
                     (is_place(place), "next event: there is no stop at the position of the event".into())
@@ -225,7 +228,7 @@ impl SavedState {
                     let what =
                         "the mechanism has no friction table, curve, cushion, pump or valve edge with this index";
                     let is_one = border.checked_sub(own).is_none_or(of_circuit);
-                    (is_one, format!("index of an event = {border}: {what}"))
+                    (is_one, format!("index of the saved event = {border}: {what}"))
                 }
                 Event::Knot(_) => (
                     reduced.has_knots(),
@@ -233,11 +236,17 @@ impl SavedState {
                 ),
                 Event::Switch(switch) => (
                     switch < state_loads.map_or(0, StateLoads::switches),
-                    format!("index of an event = {switch}: the mechanism has no change of sign with this index"),
+                    format!(
+                        "index of the saved event = {switch}: the mechanism has no change of sign that has this \
+                             index"
+                    ),
                 ),
                 Event::Level(lock) => (
                     loading.network.as_ref().is_some_and(|network| lock < network.laws.locks.len()),
-                    format!("index of an event = {lock}: the mechanism has no pressure lock with this index"),
+                    format!(
+                        "index of the saved event = {lock}: the mechanism has no pressure lock that has this \
+                             index"
+                    ),
                 ),
                 Event::Reversal | Event::Undefined => (true, String::new()),
             };

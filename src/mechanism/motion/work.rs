@@ -100,10 +100,12 @@ impl Spent {
             "most trial steps missed solver.tolerance, so a larger tolerance or smaller loads help".into()
         } else if revolutions.abs() >= 1.0 && *accepted as f64 <= 1e3 * revolutions.abs() {
             let rate = revolutions.abs() / time;
-            format!("the mechanism turns at {rate:.3e} revolutions per second on average")
+            format!("the mechanism makes {rate:.3e} revolutions per second on average")
         } else {
             let mean = time / (*accepted).max(1) as f64;
-            format!("the mean step was {mean:.1e} s; stiff friction, hard bumpers and large loads make the steps short")
+            format!(
+                "the mean internal step was {mean:.1e} s; stiff friction, hard bumpers and large loads make steps short"
+            )
         }
     }
 }

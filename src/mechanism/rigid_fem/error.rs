@@ -80,8 +80,8 @@ impl fmt::Display for RigidFemError {
             Self::Substeps { count, limit } => {
                 write!(
                     f,
-                    "the step needs {count:e} steps of solver.fem_step, but at most {limit:e} are allowed: \
-                    increase solver.fem_step"
+                    "the communication step needs {count:e} internal steps of solver.fem_step, but at most {limit:e} \
+                     are allowed: increase solver.fem_step"
                 )
             }
             Self::Equilibrium { h, correction, limit } => write!(

@@ -25,10 +25,10 @@ pub(super) fn warn_of_locking(mechanism: &Mechanism, reduced: &Reduced, all: &mu
         let terms = columns(&reduced.curve().closure, &c, std::slice::from_ref(load));
         let transmitted = terms[2][loss.joint].moment + terms[0][loss.joint].moment * load.influence(linkage, &c);
         if -transmitted * loss.radius < LEAST {
-            let message = "neither the first body nor a body that turns with the first body has a moment of inertia, \
-                so this coupling \
-                           transmits no force and does not hold a load on the second body";
-            let remedy = "give the first body an inertia";
+            let message = "neither the first body of this coupling nor a body that turns with the first body has a \
+                           moment of inertia, so this coupling transmits no force and does not hold a load on the \
+                           second body";
+            let remedy = "give the first body of the coupling an inertia";
             all.push(Finding::warning(format_args!("couplings.{name}.backward_efficiency"), message, remedy));
         }
     }

@@ -126,7 +126,8 @@ impl Start {
                 }
                 NoEquilibrium::None => (
                     "the loads move the mechanism at every position".to_owned(),
-                    "add a spring or a stop that holds the mechanism, or change the inputs",
+                    "add a spring or a stop that holds the mechanism at rest, or change the start values of the \
+                     inputs so that an equilibrium exists",
                 ),
             };
             ModelError::NoEquilibrium { near, reason, remedy }
