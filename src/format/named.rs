@@ -37,7 +37,7 @@ impl Names {
         self.list.push(name.to_owned());
         if self.list.len() > FEW {
             let from = self.indices.len();
-            self.indices.extend(self.list.iter().cloned().zip(0..).skip(from));
+            self.indices.extend(self.list[from..].iter().cloned().zip(from..));
         }
         true
     }

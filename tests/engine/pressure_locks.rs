@@ -95,7 +95,7 @@ fn assert_agree(one: &[f64], other: &[f64], allowed: f64) {
 #[test]
 fn results_do_not_depend_on_the_communication_step() {
     for (hysteresis, span, last) in
-        [(9e6, 1.5, "engages"), (9e6, 3.0, "catches"), (13.5e6, 3.0, "catches"), (0.0, 1.0, "lock latch")]
+        [(9e6, 1.5, "engages"), (9e6, 3.0, "holds"), (13.5e6, 3.0, "holds"), (0.0, 1.0, "lock latch")]
     {
         let state = |arm: &mut Run| STATE.map(|name| arm.get(name));
         let mut whole = arm(hysteresis, 1e-11);

@@ -92,6 +92,8 @@ def cost(way: Way) -> tuple[float, float]:
 
 TIME = {"met": {"event": "retracted"}}
 """Outputs of a run that the energy integral alone gives."""
+BOTH_STOPS = TIME | {"down": {"event": "extended"}}
+"""The time of this stop, and that of a stop that no run reaches."""
 AT_STOP = TIME | {"impulse": {"final": "upstop.impact_impulse"}}
 """The same outputs, and an output just after the impact."""
 RESTITUTION = {"upstop.restitution": {"values": [0]}}
@@ -254,6 +256,8 @@ def ways(arguments: argparse.Namespace) -> Iterator[Way]:
 
     by_energy = Native(arguments, "--threads", "1", factors=FORCE_AND_LOAD)
     yield Way("`cargo fmu sweep`, one thread, without steps", by_energy, of(1000), of(1_000_000), 3)
+    both = Native(arguments, "--threads", "1", factors=FORCE_AND_LOAD, responses=BOTH_STOPS)
+    yield Way("`cargo fmu sweep`, one thread, without steps, two times", both, of(1000), of(1_000_000), 3)
     at_stop = Native(arguments, "--threads", "1", factors=FORCE_AND_LOAD, responses=AT_STOP)
     yield Way("`cargo fmu sweep`, one thread, without steps, with the impulse", at_stop, of(1000), of(1_000_000), 3)
     by_steps = Native(arguments, "--threads", "1")

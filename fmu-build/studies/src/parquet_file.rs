@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// Number of values of a row group: 8 MiB.
 pub const VALUES: usize = 1 << 20;
 
+/// Size of a page [bytes], so that its buffers are reused: the memory of large ones returns to the system each time.
+const PAGE: usize = 1 << 16;
+
 /// Values of a column of the present row group.
 pub enum Values {
     /// Whole numbers.
@@ -72,6 +75,7 @@ impl Table {
             .set_compression(Compression::UNCOMPRESSED)
             .set_dictionary_enabled(false)
             .set_statistics_enabled(EnabledStatistics::None)
+            .set_data_page_size_limit(PAGE)
             .set_key_value_metadata(Some(metadata))
             .build();
         Ok(Self { file: SerializedFileWriter::new(file, schema, Arc::new(properties))?, columns })

@@ -3,7 +3,7 @@
 //! In: a design, a runner, the number of the chunk. Out: its bytes: for each run the values of factors and responses,
 //! then the remarks, each with its run and whether it is the reason of a failure.
 
-use super::by_energy::ByEnergy;
+use super::by_energy::{ByEnergy, Found};
 use super::design::Design;
 use super::run::Runner;
 use anyhow::{Context, Result, bail};
@@ -42,7 +42,7 @@ impl Cut {
 }
 
 /// A remark about a run.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Remark<'a> {
     /// Whether it is the reason of a failure.
     pub is_failure: bool,
@@ -50,18 +50,37 @@ pub struct Remark<'a> {
     pub text: &'a str,
 }
 
+/// Consecutive runs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rows<'a> {
+    /// Their numbers.
+    pub runs: Range<u64>,
+    /// The values of all columns, run by run.
+    pub values: Vec<f64>,
+    /// The remarks, each with the number of its run, ascending. A run without one has an empty remark.
+    pub remarks: Vec<(u64, Remark<'a>)>,
+}
+
+impl<'a> Rows<'a> {
+    /// The remark of each run.
+    pub fn remark_of_each(&self) -> impl Iterator<Item = Remark<'a>> {
+        let mut next = self.remarks.iter().peekable();
+        self.runs.clone().map(move |run| next.next_if(|(own, _)| *own == run).map(|own| own.1).unwrap_or_default())
+    }
+}
+
 /// The bytes of a chunk in progress.
 #[derive(Debug, Default)]
 pub struct Writer {
-    values: Vec<u8>,
+    values: Vec<[u8; 8]>,
     remarks: Vec<u8>,
 }
 
 impl Writer {
     /// Add the run with this index in the chunk.
     pub fn add(&mut self, index: u32, values: [&[f64]; 2], remark: Remark) {
-        for value in values.into_iter().flatten() {
-            self.values.extend_from_slice(&value.to_le_bytes());
+        for part in values {
+            self.values.extend(part.iter().map(|value| value.to_le_bytes()));
         }
         if remark.is_failure || !remark.text.is_empty() {
             self.remarks.extend(index.to_le_bytes());
@@ -73,12 +92,13 @@ impl Writer {
 
     /// All bytes of the chunk.
     pub fn finish(mut self) -> Vec<u8> {
-        self.values.append(&mut self.remarks);
-        self.values
+        let mut bytes = self.values.into_flattened();
+        bytes.append(&mut self.remarks);
+        bytes
     }
 }
 
-/// Make the runs of a chunk. None if the user stops the study. Times from `by_energy` need no run, and states from
+/// Make the runs of a chunk. None if the user stops the study. Responses from `by_energy` need no run, and states from
 /// `by_energy` need no steps.
 pub fn make(
     cut: &Cut,
@@ -89,28 +109,25 @@ pub fn make(
     stop_wish: &AtomicBool,
 ) -> Option<Vec<u8>> {
     let runs = cut.runs_of(chunk);
-    let (mut writer, mut point, mut values) = (Writer::default(), Vec::new(), vec![0.0; columns]);
-    let count = (runs.end - runs.start) as usize;
-    let (mut points, mut times, mut states) = (Vec::new(), vec![f64::NAN; count], vec![None; count]);
-    for run in runs {
-        design.point(run, &mut point);
-        points.extend_from_slice(&point);
+    let (count, factors) = ((runs.end - runs.start) as usize, design.factors().len());
+    let mut writer = Writer { values: Vec::with_capacity(count * (factors + columns)), remarks: Vec::new() };
+    let mut values = vec![0.0; columns];
+    let mut points = vec![0.0; count * factors];
+    for (index, run) in runs.enumerate() {
+        design.point(run, &mut points[index * factors..][..factors]);
     }
-    if let Some(by_energy) = by_energy {
-        by_energy.find(&points, &mut times, &mut states);
-    }
-    for (index, (time, state)) in times.iter().zip(states).enumerate() {
+    let found = by_energy.map_or(Found::Nothing, |by_energy| by_energy.find(&points, count));
+    for index in 0..count {
         if stop_wish.load(Ordering::Relaxed) {
             return None;
         }
-        let point = &points[index * point.len()..][..point.len()];
-        let (is_failure, text) = if time.is_nan() {
-            run_one(runner, point, state, &mut values)
+        let point = &points[index * factors..][..factors];
+        if found.responses(index, &mut values) {
+            writer.add(index as u32, [point, &values], Remark::default());
         } else {
-            values.fill(*time);
-            (false, String::new())
-        };
-        writer.add(index as u32, [point, &values], Remark { is_failure, text: &text });
+            let (is_failure, text) = run_one(runner, point, found.state(index), &mut values);
+            writer.add(index as u32, [point, &values], Remark { is_failure, text: &text });
+        }
     }
     Some(writer.finish())
 }
@@ -128,40 +145,26 @@ pub fn run_one(runner: &mut Runner, point: &[f64], state: Option<Waypoint>, valu
     }
 }
 
-/// Read the bytes of a chunk. `take` is called for each run with its index, its values, and its remark.
+/// Read the bytes of a chunk with these runs and this number of columns.
 ///
 /// # Errors
-/// The bytes are no chunk with this number of runs and columns; an error of `take`.
-pub fn read(
-    bytes: &[u8],
-    runs: u64,
-    columns: usize,
-    mut take: impl FnMut(u64, &[f64], Remark) -> Result<()>,
-) -> Result<()> {
-    let length = runs as usize * columns * 8;
-    let Some((numbers, mut remarks)) = bytes.split_at_checked(length) else {
+/// The bytes are no such chunk.
+pub fn read(bytes: &[u8], runs: Range<u64>, columns: usize) -> Result<Rows<'_>> {
+    let length = (runs.end - runs.start) as usize * columns * 8;
+    let Some((numbers, mut rest)) = bytes.split_at_checked(length) else {
         bail!("a part of the journal has {} bytes, but the runs of this part need {length} bytes", bytes.len());
     };
-    let mut next = next_remark(&mut remarks)?;
-    let mut values = vec![0.0; columns];
-    for run in 0..runs {
-        let own = &numbers[run as usize * columns * 8..];
-        for (value, bytes) in values.iter_mut().zip(own.chunks_exact(8)) {
-            *value = f64::from_le_bytes(bytes.try_into().unwrap_or_default());
+    let values = numbers.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let (mut remarks, mut left) = (Vec::new(), runs.clone());
+    while let Some((index, remark)) = next_remark(&mut rest)? {
+        let run = runs.start + index;
+        if !left.contains(&run) {
+            bail!("a part of the journal contains a message of a run that belongs to another part");
         }
-        let remark = match next {
-            Some((index, remark)) if index == run => {
-                next = next_remark(&mut remarks)?;
-                remark
-            }
-            _ => Remark { is_failure: false, text: "" },
-        };
-        take(run, &values, remark)?;
+        left.start = run + 1;
+        remarks.push((run, remark));
     }
-    if next.is_some() {
-        bail!("a part of the journal contains a message of a run that belongs to another part");
-    }
-    Ok(())
+    Ok(Rows { runs, values, remarks })
 }
 
 /// The next remark and the index of its run.
@@ -196,20 +199,16 @@ mod tests {
             writer.add(index, [point, values], Remark { is_failure: *is_failure, text });
         }
         let bytes = writer.finish();
-        let mut count = 0;
-        read(&bytes, 3, 3, |run, values, remark| {
-            let (point, expected, is_failure, text) = &rows[run as usize];
-            let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(values), bits(&[&point[..], &expected[..]].concat()));
+        let own = read(&bytes, 7..10, 3).unwrap();
+        let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+        assert_eq!((&own.runs, own.remark_of_each().count()), (&(7..10), 3));
+        for ((k, (point, expected, is_failure, text)), remark) in rows.iter().enumerate().zip(own.remark_of_each()) {
+            assert_eq!(bits(&own.values[3 * k..][..3]), bits(&[&point[..], &expected[..]].concat()));
             assert_eq!(remark, Remark { is_failure: *is_failure, text });
-            count += 1;
-            Ok(())
-        })
-        .unwrap();
-        assert_eq!(count, 3);
+        }
         for cut in 0..bytes.len() {
             // If the cut is at the end of a remark, only the next remark is missing.
-            let whole = read(&bytes[..cut], 3, 3, |_, _, _| Ok(())).is_ok();
+            let whole = read(&bytes[..cut], 7..10, 3).is_ok();
             assert!(!whole || [72, 84].contains(&cut), "{cut}");
         }
     }

@@ -134,9 +134,8 @@ pub fn run(
                 match done.recv_timeout(LOOK) {
                     Ok((FATAL, text)) => bail!("the cluster: {}", String::from_utf8_lossy(&text)),
                     Ok((number, bytes)) => {
-                        let runs = work.cut.runs_of(number);
                         let columns = work.design.factors().len() + work.task.responses.columns.len();
-                        chunk::read(&bytes, runs.end - runs.start, columns, |_, _, _| Ok(()))?;
+                        chunk::read(&bytes, work.cut.runs_of(number), columns)?;
                         keep(number, bytes)?;
                         left -= 1;
                     }
@@ -172,7 +171,8 @@ pub fn run(
 
 /// Write the chunks for the program, each with the factor values of its runs. The program reads them during its work.
 fn send_chunks(input: ChildStdin, work: &Work, chunks: &[u64]) {
-    let (mut input, mut design, mut point) = (BufWriter::new(input), work.design.clone(), Vec::new());
+    let (mut input, mut design, mut point) =
+        (BufWriter::new(input), work.design.clone(), vec![0.0; work.design.factors().len()]);
     let mut write = || -> std::io::Result<()> {
         for chunk in chunks {
             let runs = work.cut.runs_of(*chunk);

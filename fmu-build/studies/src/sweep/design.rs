@@ -166,13 +166,11 @@ impl Design {
     }
 
     /// The values of the factors in a run.
-    pub fn point(&mut self, run: u64, values: &mut Vec<f64>) {
-        values.clear();
+    pub fn point(&mut self, run: u64, values: &mut [f64]) {
         let [_, grid, samples] = self.counts;
         let (sample, rest) = (run % samples, run / samples);
         let (mut of_grid, of_file) = (rest % grid, rest / grid);
         let line = self.points.as_mut().map_or(&[][..], |points| points.line(of_file));
-        values.resize(self.factors.len(), 0.0);
         // In the grid the last factor changes first.
         for (factor, value) in self.factors.iter().zip(values.iter_mut()).rev() {
             let mut index_of = |count: u64| {

@@ -37,7 +37,7 @@ pub fn warning(
         );
     }
     let (mut runner, mut design) = (Runner::new(task, model()?)?, design.clone());
-    let (mut point, mut values) = (Vec::new(), vec![f64::NAN; task.responses.columns.len()]);
+    let (mut point, mut values) = (vec![0.0; task.factors.len()], vec![f64::NAN; task.responses.columns.len()]);
     let mut began = Instant::now();
     for run in 0..=MEASURED {
         if run == 1 {

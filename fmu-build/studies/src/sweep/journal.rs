@@ -183,7 +183,7 @@ mod tests {
             Journal::open(&path, 7, true)
                 .unwrap_err()
                 .to_string()
-                .contains("another run of the program is writing this file")
+                .contains("another process of the program is writing this file")
         );
         drop(journal);
         let whole = fs::read(&path).unwrap();

@@ -2,7 +2,7 @@
 //!
 //! In: the completed chunks. Out: complete files, or none. The memory use is constant.
 
-use super::chunk::{self, Cut, Remark};
+use super::chunk::{self, Cut, Remark, Rows};
 use super::csv::Csv;
 use super::journal::Journal;
 use super::parquet::Parquet;
@@ -94,11 +94,10 @@ pub fn write(
             );
         }
         next = runs.end;
-        chunk::read(bytes, runs.end - runs.start, columns.len(), |index, values, remark| {
-            unusual.count(&remark);
-            parquet.add(runs.start + index, values, remark)?;
-            csv.as_mut().map_or(Ok(()), |csv| csv.add(runs.start + index, values, remark))
-        })
+        let rows = chunk::read(bytes, runs, columns.len())?;
+        rows.remarks.iter().for_each(|(_, remark)| unusual.count(remark));
+        parquet.add(&rows)?;
+        csv.as_mut().map_or(Ok(()), |csv| csv.add(&rows))
     })?;
     if next != cut.runs_of(cut.chunks() - 1).end {
         bail!("run {next} is missing in the journal (file runs.journal); to start the study again, remove this file");
@@ -141,13 +140,12 @@ impl<F: Format> Partial<F> {
         Ok(Self { format, path: path.to_path_buf(), partial })
     }
 
-    /// Add a row.
+    /// Add rows.
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()> {
-        let added = self.format.add(run, values, remark);
-        added.with_context(|| format!("{}: cannot be written", self.partial.0.display()))
+    pub fn add(&mut self, rows: &Rows) -> Result<()> {
+        self.format.add(rows).with_context(|| format!("{}: cannot be written", self.partial.0.display()))
     }
 
     /// Give the file its final name.

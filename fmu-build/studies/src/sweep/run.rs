@@ -107,12 +107,16 @@ impl<'a> Runner<'a> {
                     none => *none = Some(self.model.snapshot()),
                 }
             }
-            self.step(step, step.end - step.start)?;
+            let ends = scenario.stop_at.filter(|_| reads).map(|event| self.step_to_known(event, step)).transpose()?;
+            let is_there = ends == Some(true);
+            if !is_there {
+                self.step(step, step.end - step.start)?;
+            }
             let stop = scenario.stop_at.map(|event| self.stop(event, step)).transpose()?.flatten();
             let end = stop.map_or(step.end, |(_, time)| time);
             has_stopped = stop.is_some();
             self.find_events(step, stop, end, values)?;
-            if let Some((event, time)) = stop.filter(|_| reads) {
+            if let Some((event, time)) = stop.filter(|_| reads && !is_there) {
                 self.step_to(event, step, time)?;
             }
             if reads {
@@ -230,10 +234,26 @@ impl<'a> Runner<'a> {
         Ok(time)
     }
 
+    /// Bring the model into the state just after an event, if the known state on the way belongs to this event. Returns
+    /// whether it does; otherwise the state does not change.
+    fn step_to_known(&mut self, event: Event, step: &Step) -> Result<bool> {
+        let Some(state) = self.waypoint.filter(|state| state.is_stop && step.start == 0.0) else { return Ok(false) };
+        let h = state.time + just_after(state.time);
+        if h >= step.end {
+            return Ok(false);
+        }
+        self.step(step, h)?;
+        let is_there = self.count(event)? == 1.0 && self.model.real(event.time)? == state.time;
+        if !is_there {
+            self.back()?;
+        }
+        Ok(is_there)
+    }
+
     /// Bring the model into the state just after an event, which occurred in this completed step at `time` [s].
     fn step_to(&mut self, event: Event, step: &Step, time: f64) -> Result<()> {
         let whole = step.end - step.start;
-        let mut later = JUST_AFTER * time.abs().max(f64::MIN_POSITIVE);
+        let mut later = just_after(time);
         loop {
             let h = (time + later) - step.start;
             self.back()?;
@@ -247,6 +267,11 @@ impl<'a> Runner<'a> {
             later *= 2.0;
         }
     }
+}
+
+/// Time between an event at `time` [s] and the first attempt at a state after it [s].
+fn just_after(time: f64) -> f64 {
+    JUST_AFTER * time.abs().max(f64::MIN_POSITIVE)
 }
 
 /// Set the common values of all runs.

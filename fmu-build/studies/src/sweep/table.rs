@@ -1,6 +1,6 @@
 //! A table of results: the types of columns, and the functions of a file format.
 
-use super::chunk::Remark;
+use super::chunk::Rows;
 use anyhow::Result;
 use std::fs::File;
 
@@ -34,11 +34,11 @@ pub trait Format: Sized {
     /// # Errors
     /// The file cannot be written.
     fn begin(file: File, columns: &[Column], seed: Option<u64>) -> Result<Self>;
-    /// Add a row.
+    /// Add rows.
     ///
     /// # Errors
     /// The file cannot be written.
-    fn add(&mut self, run: u64, values: &[f64], remark: Remark) -> Result<()>;
+    fn add(&mut self, rows: &Rows) -> Result<()>;
     /// End the file.
     ///
     /// # Errors

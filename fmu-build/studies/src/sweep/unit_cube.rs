@@ -31,8 +31,8 @@ pub fn each(method: Method, factors: usize) -> u64 {
 #[derive(Clone, Debug)]
 pub struct UnitCube {
     sampling: Sampling,
-    /// For each dimension, its stream of random bits at the last position. Consecutive samples continue in the stream.
-    random: Vec<ChaCha8Rng>,
+    /// For each dimension, its stream of random bits, and the sample whose bits are next in the stream.
+    random: Vec<(ChaCha8Rng, u64)>,
     /// For each dimension, direction numbers of Sobol's sequence, and its shift.
     sobol: Vec<(Vec<u64>, u64)>,
 }
@@ -44,7 +44,7 @@ impl UnitCube {
         let stream = |dimension| {
             let mut random = ChaCha8Rng::seed_from_u64(sampling.seed);
             random.set_stream(dimension as u64);
-            random
+            (random, 0)
         };
         let mut cube = Self { sampling, random: (0..dimensions).map(stream).collect(), sobol: Vec::new() };
         if matches!(sampling.method, Method::Sobol | Method::Saltelli) {
@@ -88,11 +88,12 @@ impl UnitCube {
 
     /// 64 random bits for a sample and a dimension: a position in the stream of the dimension.
     fn draw(&mut self, sample: u64, dimension: usize) -> u64 {
-        let (random, place) = (&mut self.random[dimension], 2 * u128::from(sample));
+        let (random, next) = &mut self.random[dimension];
         // Setting the position computes a new block of the stream, also for an unchanged position.
-        if random.get_word_pos() != place {
-            random.set_word_pos(place);
+        if *next != sample {
+            random.set_word_pos(2 * u128::from(sample));
         }
+        *next = sample + 1;
         random.next_u64()
     }
 

@@ -130,7 +130,11 @@ fn elements_without_a_counterpart_are_rejected() {
         ("", r#"<equality><joint joint1="j" joint2="l"/></equality>"#, &["joints j and l", "share no body"]),
         ("", r#"<equality><joint joint1="j" joint2="k" polycoef="0 1 .1"/></equality>"#, &["polycoef", "a cam"]),
         ("", r#"<equality><joint joint1="j" joint2="m"/></equality>"#, &["there is no joint m"]),
-        ("", r#"<equality><weld body1="a" body2="c" relpose="1 0 0 1 0 0 0"/></equality>"#, &["difference 1.00e0"]),
+        (
+            "",
+            r#"<equality><weld body1="a" body2="c" relpose="1 0 0 1 0 0 0"/></equality>"#,
+            &["differs from the welded position by 1.00e0"],
+        ),
         ("", r#"<equality><tendon tendon1="t"/></equality>"#, &["<tendon>", "remove this equality"]),
         ("", r#"<tendon><fixed name="f"/></tendon>"#, &["<fixed \"f\">", "several joints"]),
         ("", r#"<tendon><spatial><site site="s"/><site site="t"/><site site="s"/></spatial></tendon>"#, &["two sites"]),

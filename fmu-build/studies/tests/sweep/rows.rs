@@ -75,7 +75,7 @@ fn rows_are_bit_identical_to_those_of_simulate() {
     assert!(rows.column("met").iter().any(|time| !time.is_nan()));
 }
 
-/// Times alone need no steps, and outputs at the stop need none. A response at an instant in between needs steps. Both
+/// Times of events alone need no steps, and outputs at the stop need none. A response at an instant in between needs steps. Both
 /// ways have the same times and outputs, and the same texts for runs that do not reach the stop, also for a grid and
 /// for inputs that are no load.
 #[test]
@@ -99,6 +99,7 @@ fn times_by_energy_are_those_of_the_steps() {
         course["course"] = json!({ "course": "crank.angle", "times": [0.01] });
         let [alone, state, both] = [json!({}), last, course].map(|mut responses| {
             responses["met"] = json!({ "event": "retracted" });
+            responses["down"] = json!({ "event": "extended" });
             folder.rows(json!({
                 "factors": factors, "responses": responses, "start_values": { "solver.tolerance": 1e-12 },
                 "sampling": { "method": "random", "count": 200, "seed": 1 },
@@ -111,6 +112,7 @@ fn times_by_energy_are_those_of_the_steps() {
             let (met, by_steps) = (alone.number(row, "met"), both.number(row, "met"));
             assert_eq!((met.is_nan(), alone.text(row, "message")), (by_steps.is_nan(), both.text(row, "message")));
             assert!(met.is_nan() || (met - by_steps).abs() < 5e-12, "{row}: {met} {by_steps}");
+            assert!([&alone, &state, &both].iter().all(|rows| rows.number(row, "down").is_nan()), "{row}");
             assert_eq!(state.text(row, "message"), both.text(row, "message"));
             for (name, allowed) in [("met", 5e-12), ("blow", 1e-7), ("angle", 1e-9)] {
                 let [state, both] = [&state, &both].map(|rows| rows.number(row, name));

@@ -9,7 +9,7 @@ mod goal;
 mod optimiser;
 
 use super::bar::{Bar, Watch};
-use super::chunk::Remark;
+use super::chunk::{Remark, Rows};
 use super::csv::Csv;
 use super::parquet::Parquet;
 use super::results::{Partial, columns};
@@ -211,13 +211,14 @@ fn look(
 fn write_table(out: &Path, with_csv: bool, (columns, seed): (&[Column], u64), found: &Found) -> Result<()> {
     let mut parquet = Partial::<Parquet>::begin(&out.join(PARQUET), columns, Some(seed))?;
     let mut csv = with_csv.then(|| Partial::<Csv>::begin(&out.join(CSV), columns, Some(seed))).transpose()?;
-    for ((evaluation, worth), number) in found.all.iter().zip(0..) {
+    for ((evaluation, worth), run) in found.all.iter().zip(0..) {
         let Evaluation { point, responses, is_failure, message } = evaluation;
         let violation = worth.as_ref().map_or(f64::NAN, Worth::violation);
         let values = [point.as_slice(), responses, &[violation]].concat();
         let remark = Remark { is_failure: *is_failure, text: message };
-        parquet.add(number, &values, remark)?;
-        csv.as_mut().map_or(Ok(()), |csv| csv.add(number, &values, remark))?;
+        let rows = Rows { runs: run..run + 1, values, remarks: vec![(run, remark)] };
+        parquet.add(&rows)?;
+        csv.as_mut().map_or(Ok(()), |csv| csv.add(&rows))?;
     }
     parquet.end()?;
     csv.map_or(Ok(()), Partial::end)
