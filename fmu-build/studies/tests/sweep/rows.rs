@@ -75,9 +75,9 @@ fn rows_are_bit_identical_to_those_of_simulate() {
     assert!(rows.column("met").iter().any(|time| !time.is_nan()));
 }
 
-/// Times of events alone need no steps, and outputs at the stop need none. A response at an instant in between needs steps. Both
-/// ways have the same times and outputs, and the same texts for runs that do not reach the stop, also for a grid and
-/// for inputs that are no load.
+/// Times of events alone need no steps, and outputs at the stop need none. A response at an instant in between needs
+/// steps. Both ways have the same times and outputs, and the same texts for runs that do not reach the stop, also for
+/// a grid and for inputs that are no load.
 #[test]
 fn times_by_energy_are_those_of_the_steps() {
     let folder = Folder::new("energy");
