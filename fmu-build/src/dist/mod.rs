@@ -135,9 +135,8 @@ fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) ->
 fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<PathBuf> {
     let out = stage.join("out");
     let mut maturin = Command::new(python(workspace)?);
-    // A wheel for named platforms is for publication, so it is small. Other wheels are built fast. Levels above 9 are
-    // passes of Zopfli, whose archives every zip program can read.
-    let (profile, level) = if arguments.platforms.is_empty() { ("release", "6") } else { ("small", "14") };
+    // A wheel for named platforms is for publication, so it is small. Other wheels are built fast.
+    let (profile, level) = if arguments.platforms.is_empty() { ("release", "6") } else { ("small", "9") };
     maturin.args(["-m", "maturin", "build", "--profile", profile, "--locked", "--compression-level", level, "--out"]);
     maturin.arg(&out).current_dir(stage);
     // Cargo passes the folder of the running program to its child processes.
