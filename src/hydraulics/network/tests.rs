@@ -368,7 +368,11 @@ fn implausible_networks_are_warned_of() {
         ),
         ("\"volume\": 5e-4", "\"volume\": 1e-7", ["accumulators.accumulator.volume", "1 l = 1e-3 m3"]),
         ("\"start_pressure\": 20.5e6", "\"start_pressure\": 205", ["nodes.supply.start_pressure", "1 bar = 1e5 Pa"]),
-        ("\"overlap\": 0.05", "\"overlap\": 1.5", ["valves.selector.overlap: is 1.5, but usual values", "from -1 to 1"]),
+        (
+            "\"overlap\": 0.05",
+            "\"overlap\": 1.5",
+            ["valves.selector.overlap: is 1.5, but usual values", "from -1 to 1"],
+        ),
         ("\"air_fraction\": 0.005", "\"bulk_modulus\": 1", ["fluid.bulk_modulus", "usual values"]),
         ("\"pressure\": 24e6", "\"pressure\": 18e6", ["pumps.engine_pump.full_pressure", "supply_relief"]),
     ] {
