@@ -102,7 +102,7 @@ fn sizes_beyond_reason_give_reasons_not_numbers() {
     gear.set_all(&[("actuator.force", 1e308), ("load_factor", -1e308)]);
     for name in ["crank.acceleration", "joint1.force", "wheel.acceleration_x"] {
         assert!(gear.0.get(name).unwrap().is_nan(), "{name}");
-        assert_says(gear.0.undefined(name).unwrap().unwrap(), &["largest number", "check their values"]);
+        assert_says(gear.0.undefined(name).unwrap().unwrap(), &["largest number", "check the values"]);
     }
     assert_says(gear.0.step(1e-3).unwrap_err(), &["1e308", "inputs", "exceeds"]);
     assert_eq!((gear.get("crank.angle"), gear.get("crank.speed")), start);
