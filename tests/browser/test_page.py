@@ -232,7 +232,7 @@ def test_a_broken_mechanism_is_drawn_at_its_guess_with_the_gap(make: Make, show:
     assert shown.page.get_by_role("alert").is_visible()
     assert "the positions of the guess" in shown.page.get_by_role("alert").inner_text()
     words = shown.page.locator("[data-gap=joint4] text").text_content() or ""
-    gap = float(words.split()[-2])
+    gap = float(words.split()[-3])
     # The two pins of the crank give the scale.
     scale = math.dist(shown.center("[data-joint=joint1]"), shown.center("[data-joint=joint2]")) / 0.1755
     circles = shown.page.locator("[data-gap=joint4] circle")
