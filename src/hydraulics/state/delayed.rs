@@ -147,7 +147,7 @@ impl State {
         ];
         let [lower, upper] = told.element.limits;
         let is_other = lower == upper && predicted.element.limits != told.element.limits;
-        // What static friction alone has held at rest has told no limits.
+        // A mechanism that static friction alone has held at rest has set no limits.
         let let_go = is_other && self.last.is_some_and(|last| !last.rests);
         let steps = self.unanswered(setting, let_go);
         if steps > 0

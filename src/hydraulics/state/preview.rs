@@ -364,9 +364,9 @@ fn stuck_with(setting: &Setting<'_>, time: f64, what: &str) -> HydraulicsError {
 }
 
 /// Part of the load's correction that the holding force set explains [N], for a mass and a speed set, and for how many
-/// steps no force has reacted to it. In a late host a load that jumps acts for a step before it is told: its difference
-/// from the one expected is then what the speed has missed. A host that reads outputs after it has set the load tells
-/// it at once: the speed has missed nothing.
+/// steps no force has reacted to it. In a late host a load that jumps acts for a step before the host sets it here: its
+/// difference from the one expected is then what the speed has missed. A host that reads outputs after it has set the
+/// load sets it here at once: the speed has missed nothing.
 fn jump(last: &Last, load: f64, mass: f64, speed: f64) -> (f64, usize) {
     let Some(expected) = last.expected_load else { return (0.0, 0) };
     let (missed, jump) = (-mass * (speed - last.speed) / last.step, load - expected);

@@ -167,7 +167,7 @@ impl Watched {
         Ok(())
     }
 
-    /// Whether the host is still to be told.
+    /// Whether the warning has not been reported to the host yet.
     #[inline]
     fn is_pending(&self) -> bool {
         self.accumulators.is_some_and(|accumulators| accumulators.pending.is_some())
