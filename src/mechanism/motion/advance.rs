@@ -1,18 +1,19 @@
 //! The advance over one communication step: a hybrid system, integrated from event to event.
 //!
-//! In: dynamics, places of stops, contact, state. Out: state at the end of the span, contact, energy lost in impacts.
-//! Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on the
-//! interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
-//! span (`step_ahead.rs`). Must not know: what moves.
-use crate::integrator::{IntegrationError, Integrator, Step};
+//! In: an equation of motion, places of stops, contact, state. Out: state at the end of the span, contact, energy lost
+//! in impacts. Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on
+//! the interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
+//! span (`step_ahead.rs`). Must not know: loads.
+use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
-use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::motion::contact::{Contact, Ends};
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
-use crate::mechanism::motion::witness::{What, Witness};
+use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::motion::work::Work;
 use std::mem::take;
+use transitions::Instant;
 
 /// Why an advance ended early.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,8 +45,8 @@ impl From<Locked> for Stopped {
 }
 
 /// The advance of a motion over one span.
-pub struct Advance<'a, D, const N: usize> {
-    pub dynamics: &'a mut D,
+pub struct Advance<'a, 'e, const N: usize> {
+    pub dynamics: &'a mut EquationOfMotion<'e>,
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
@@ -69,8 +70,8 @@ pub struct Progress {
     /// Whether bumpers in contact and regimes of friction are those of the state: not at the start, nor after it has
     /// jumped.
     is_settled: bool,
-    /// Change of a regime or a sign at the very start of a step. The law that follows is kept for the next step, to
-    /// prevent chattering.
+    /// Change of a regime or a sign at the very start of the last step. The law that follows is kept for the next step,
+    /// to prevent chattering.
     held: Option<Event>,
     /// Whether a step may go on beyond the end of the span.
     may_pass: bool,
@@ -98,19 +99,36 @@ impl Progress {
     }
 }
 
-/// What follows from the state at one instant.
-enum Instant {
-    /// The mechanism is held at rest to the end of the span.
-    Held,
-    /// A transition that took no time, or a release: what follows is to be found anew.
-    Changed,
-    /// The mechanism moves.
-    Moves,
+/// Where a step is to end.
+#[derive(Clone, Copy, Debug)]
+struct Aim {
+    /// Latest end of the step [s].
+    end: f64,
+    /// Whether the step may end beyond the span.
+    is_beyond: bool,
+    /// Whether a kink or a limit is before the end that the span allows.
+    is_cut: bool,
+}
+
+/// A step up to its earliest event; without one, the whole step.
+struct ToEvent<const N: usize> {
+    /// Time from the start of the step [s].
+    h: f64,
+    /// State there.
+    state: [f64; N],
+    found: Option<Found<N>>,
+    /// Interpolant of the whole step, if it was needed.
+    dense: Option<Dense<N>>,
+    /// The step made again to end there, if the interpolant is not exact enough.
+    shorter: Option<Step<N>>,
 }
 
 // What each step does, with the modules below, is inlined into `run`, so that the fields of the advance stay in
 // registers; what happens at an event is not, as it stands at several places.
-impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+impl<'e, const N: usize> Advance<'_, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
     /// Advance z = (sigma, sigma_dot, energy lost if N > 2, ...) by exactly `span` [s]; returns the energy lost in
     /// impacts [J].
     pub fn run(mut self, z: &mut [f64; N], span: f64) -> Result<f64, Stopped> {
@@ -122,12 +140,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
         self.progress.may_pass = self.lookahead.may_pass();
         while self.progress.t < span {
-            if self.progress.work.is_spent(self.integrator.attempts()) {
-                return Err(Stopped::Budget(self.progress));
-            }
-            if self.is_due(z) {
-                return Err(Stopped::Event(self.progress));
-            }
+            self.check(z)?;
             match self.instant(z, span)? {
                 Instant::Held => break,
                 Instant::Changed => {
@@ -136,86 +149,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 }
                 Instant::Moves => {}
             }
-            // Continuous step.
-            let t = self.progress.t;
-            let beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
-            let end = if beyond { Integrator::<N>::farthest(t, span) } else { span };
-            let kink = self.dynamics.next_kink(t).min(self.latest(z));
-            let is_cut = kink < end;
-            let end = if is_cut { kink } else { end };
-            self.dynamics.begin_step();
-            let step = if beyond {
-                self.integrator.step_beyond(self.dynamics, t, z, end, self.tolerance)
-            } else {
-                self.integrator.step(self.dynamics, t, z, end, self.tolerance)
-            };
-            let step = match &step {
-                Ok(step) => step,
-                Err(_) if beyond => {
-                    // What is beyond the span is of no concern yet.
-                    self.stay_within();
-                    self.dynamics.take_locked();
-                    continue;
-                }
-                Err(_) if self.dynamics.take_locked() => return Err(Stopped::Locked),
-                Err(error) => return Err(Stopped::Integration(*error)),
-            };
-            // Earliest event in it.
-            let (mut dense, held) = (None, self.progress.held.take());
-            let around = (self.ends, &*self.contact);
-            let laws = (held, self.tolerance);
-            let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
-            if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
-                self.progress.limit = limit;
-                self.progress.is_refining = true;
-                self.progress.refinements += 1;
-                self.progress.work.extra += 1;
-                self.progress.held = held;
-                self.integrator.take_back(self.dynamics, step, limit - t);
-                continue;
-            }
-            self.progress.refinements = 0;
-            if let Some(limit) = found.as_ref().and_then(|found| self.too_far(step, found)) {
-                self.progress.limit = limit;
-                self.progress.work.extra += 1;
-                self.progress.held = held;
-                self.integrator.branch_off();
-                continue;
-            }
-            let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
-            let (h, state) = match (&found, &shorter) {
-                (_, Some(shorter)) => (shorter.h, shorter.end),
-                (Some(found), None) => (found.part * step.h, found.state),
-                (None, None) => (step.h, step.end),
-            };
-            if beyond && t + h > span {
-                let kept = shorter.as_ref().unwrap_or(step);
-                let dense = dense.filter(|_| shorter.is_none());
-                let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, kept));
-                if !(self.is_exact(kept, &dense) && self.dynamics.admits(&dense.at((span - t) / kept.h))) {
-                    // To be made again, to the end of the span.
-                    self.stay_within();
-                    self.integrator.branch_off();
-                    self.progress.held = held;
-                    continue;
-                }
-                let event = found.map(|found| found.event).filter(|event| *event != Event::Undefined);
-                *z = self.lookahead.keep(StepAhead::new(dense, kept.h, (h, state), event), span - t);
+            let aim = self.aim(z, span);
+            let Some(step) = self.continuous_step(z, aim)? else { continue };
+            let Some(part) = self.earliest_event(&step) else { continue };
+            if aim.is_beyond && step.t + part.h > span {
+                let Some(state) = self.keep_ahead(&step, part, span) else { continue };
+                *z = state;
                 break;
             }
-            // Transition.
-            *z = state;
-            self.progress.t += h;
-            if self.progress.is_refining {
-                // Until no event is near.
-                self.progress.is_refining = dense.is_some();
-                self.progress.limit = if dense.is_some() { self.progress.t + GROWTH * h } else { 0.0 };
-            }
-            self.dynamics.set_state(z);
-            match found {
-                Some(Found { event, part, .. }) => self.apply_event(event, part <= REGIME_TOLERANCE, z)?,
-                None if step.reached && !is_cut => break,
-                None => {}
+            let is_done = part.found.is_none() && step.reached && !aim.is_cut;
+            self.transition(&part, z)?;
+            if is_done {
+                break;
             }
             // A change of law that is kept for the next step must not be forgotten.
             if self.witness.pauses.at_steps && self.progress.held.is_none() {
@@ -223,6 +168,118 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             }
         }
         Ok(self.progress.lost)
+    }
+
+    /// Whether the advance may go on from the state z: the work is not spent, and no lock is to change.
+    #[inline(always)]
+    fn check(&self, z: &[f64; N]) -> Result<(), Stopped> {
+        if self.progress.work.is_spent(self.integrator.attempts()) {
+            return Err(Stopped::Budget(self.progress));
+        }
+        let is_due = |level| self.dynamics.level_of_network(level, z).is_some_and(|own| own.excess(z) >= 0.0);
+        if (0..self.dynamics.levels::<N>()).any(is_due) { Err(Stopped::Event(self.progress)) } else { Ok(()) }
+    }
+
+    /// Where the step from the state z is to end.
+    #[inline(always)]
+    fn aim(&mut self, z: &[f64; N], span: f64) -> Aim {
+        let t = self.progress.t;
+        let is_beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
+        let end = if is_beyond { Integrator::<N>::farthest(t, span) } else { span };
+        let kink = self.dynamics.next_kink::<N>(t).min(self.latest(z));
+        let is_cut = kink < end;
+        Aim { end: if is_cut { kink } else { end }, is_beyond, is_cut }
+    }
+
+    /// The continuous step from the state z; none if it was to go beyond the span in vain.
+    #[inline(always)]
+    fn continuous_step(&mut self, z: &[f64; N], aim: Aim) -> Result<Option<Step<N>>, Stopped> {
+        let t = self.progress.t;
+        self.dynamics.scratch.evaluator.begin_step();
+        let step = if aim.is_beyond {
+            self.integrator.step_beyond(self.dynamics, t, z, aim.end, self.tolerance)
+        } else {
+            self.integrator.step(self.dynamics, t, z, aim.end, self.tolerance)
+        };
+        match step {
+            Ok(step) => Ok(Some(step)),
+            Err(_) if aim.is_beyond => {
+                // What is beyond the span is of no concern yet.
+                self.stay_within();
+                self.dynamics.locked = false;
+                Ok(None)
+            }
+            Err(_) if take(&mut self.dynamics.locked) => Err(Stopped::Locked),
+            Err(error) => Err(Stopped::Integration(error)),
+        }
+    }
+
+    /// The step up to the earliest event in it; none if the step is to be made again, to an earlier end: it is too
+    /// coarse for its events, or goes too far beyond a knot.
+    #[inline(always)]
+    fn earliest_event(&mut self, step: &Step<N>) -> Option<ToEvent<N>> {
+        let mut dense = None;
+        let around = (self.ends, &*self.contact);
+        let laws = (self.progress.held, self.tolerance);
+        let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
+        if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
+            self.progress.limit = limit;
+            self.progress.is_refining = true;
+            self.progress.refinements += 1;
+            self.progress.work.extra += 1;
+            self.integrator.take_back(self.dynamics, step, limit - step.t);
+            return None;
+        }
+        self.progress.refinements = 0;
+        if let Some(limit) = found.as_ref().and_then(|found| self.too_far(step, found)) {
+            self.progress.limit = limit;
+            self.progress.work.extra += 1;
+            self.integrator.branch_off();
+            return None;
+        }
+        let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
+        let (h, state) = match (&found, &shorter) {
+            (_, Some(shorter)) => (shorter.h, shorter.end),
+            (Some(found), None) => (found.part * step.h, found.state),
+            (None, None) => (step.h, step.end),
+        };
+        Some(ToEvent { h, state, found, dense, shorter })
+    }
+
+    /// Keep a step that extends beyond the span, and return the state at the end of the span; none if its interpolant
+    /// is not exact, so that a step is to be made to the end of the span.
+    #[inline(always)]
+    fn keep_ahead(&mut self, step: &Step<N>, part: ToEvent<N>, span: f64) -> Option<[f64; N]> {
+        let ToEvent { h, state, found, dense, shorter } = part;
+        let kept = shorter.as_ref().unwrap_or(step);
+        let dense = dense.filter(|_| shorter.is_none());
+        let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, kept));
+        let after = span - step.t;
+        if !(self.is_exact(kept, &dense) && self.dynamics.admits(&dense.at(after / kept.h))) {
+            self.stay_within();
+            self.integrator.branch_off();
+            return None;
+        }
+        let event = found.map(|found| found.event).filter(|event| *event != Event::Undefined);
+        Some(self.lookahead.keep(StepAhead::new(dense, kept.h, (h, state), event), after))
+    }
+
+    /// Go to the end of a step, or of its part up to an event, whose transition follows.
+    #[inline(always)]
+    fn transition(&mut self, part: &ToEvent<N>, z: &mut [f64; N]) -> Result<(), Stopped> {
+        *z = part.state;
+        self.progress.t += part.h;
+        if self.progress.is_refining {
+            // Until no event is near.
+            self.progress.is_refining = part.dense.is_some();
+            self.progress.limit = if part.dense.is_some() { self.progress.t + GROWTH * part.h } else { 0.0 };
+        }
+        self.progress.held = None;
+        self.dynamics.set_state(z);
+        match &part.found {
+            Some(found) => self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z),
+            None => Ok(()),
+        }
     }
 
     /// Go on from a step that went beyond the last span: read the state at the end of this span from it and return
@@ -244,14 +301,16 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         *z = ahead.end_state();
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
-        self.dynamics.set_touching(self.contact.touching());
+        self.dynamics.mode.touching = self.contact.touching();
         let (middle, event) = (ahead.middle(), ahead.event);
-        self.dynamics.set_regimes(middle[0], middle[1]);
-        if self.dynamics.switches() > 0 {
-            self.dynamics.find_direction(middle[0], middle[1])?;
-            self.dynamics.find_signs(self.progress.t, &middle)?;
+        if let Some(state_loads) = self.dynamics.deciding::<N>() {
+            self.dynamics.set_regimes(middle[0], middle[1]);
+            if state_loads.switches() > 0 {
+                self.dynamics.find_direction(middle[0], middle[1])?;
+                self.dynamics.find_signs(self.progress.t, &middle)?;
+            }
         }
-        self.dynamics.set_time(self.progress.t);
+        self.dynamics.time = self.progress.t;
         self.dynamics.set_state(z);
         self.lookahead.step_ahead = None;
         if let Some(event) = event {
@@ -266,13 +325,13 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         // A limit that passed while the mechanism rested no longer holds.
         let limit =
             Some(take(&mut self.progress.limit)).filter(|limit| *limit > self.progress.t).unwrap_or(f64::INFINITY);
-        if self.dynamics.has_knots() { limit.min(self.beyond_next_knot(z)) } else { limit }
+        if self.dynamics.whole.has_knots() { limit.min(self.beyond_next_knot(z)) } else { limit }
     }
 
     /// Time at which the motion is a little beyond the next knot at its present speed [s]; infinite without one.
     #[cold]
     fn beyond_next_knot(&self, z: &[f64; N]) -> f64 {
-        match self.dynamics.next_knot(z[0], z[1].signum()) {
+        match self.dynamics.whole.next_knot(z[0], z[1].signum()) {
             Some(knot) => self.progress.t + BEYOND_KNOT * ((knot - z[0]) / z[1]).abs(),
             None => f64::INFINITY,
         }
@@ -296,156 +355,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         self.lookahead.failed();
         self.progress.may_pass = false;
     }
-
-    /// The state has jumped.
-    #[inline(always)]
-    fn jumped(&mut self) {
-        self.integrator.restart();
-        self.progress.is_settled = false;
-    }
-
-    /// What follows from the state before a step: rest, impacts, bumpers touched, the mode of friction and drives.
-    #[inline(always)]
-    fn instant(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
-        self.dynamics.set_time(self.progress.t);
-        self.dynamics.set_state(z);
-        // Contact changes with a jump only, so a settled mechanism does not rest.
-        if !self.progress.is_settled
-            && let Some(place) = self.contact.at_rest()
-        {
-            self.dynamics.set_touching(self.contact.touching());
-            return self.rest(place, z, span);
-        }
-        if let Some(side) = self.pushed_end(z) {
-            self.impact(Place::rigid(side), z)?;
-            self.jumped();
-            return Ok(Instant::Changed);
-        }
-        let settles = !self.progress.is_settled;
-        if settles {
-            self.touch_bumpers(z)?;
-            let leaves = |side: usize| z[1] * outward(side) < 0.0 && self.ends.is_at_rigid(side, z[0]);
-            if let Some(side) = (0..2).find(|&side| leaves(side)) {
-                self.progress.lost += self.end_bouncing(side, z)?;
-                if self.contact.at_rest().is_some() {
-                    return Ok(Instant::Changed);
-                }
-            }
-            self.dynamics.set_touching(self.contact.touching());
-            self.dynamics.set_regimes(z[0], z[1]);
-            self.progress.is_settled = true;
-        }
-        if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
-            return self.wait_at_rest(z, span);
-        }
-        if settles && self.dynamics.switches() > 0 {
-            self.dynamics.find_signs(self.progress.t, z)?;
-        }
-        Ok(Instant::Moves)
-    }
-
-    /// Side on which the mechanism is at a rigid stop and moves outward.
-    #[inline(always)]
-    fn pushed_end(&self, z: &[f64; N]) -> Option<usize> {
-        (0..2).find(|&side| {
-            let moves = z[1] * outward(side) > 0.0;
-            moves && (z[0] - self.ends.limits[side]) * outward(side) >= 0.0
-        })
-    }
-
-    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
-    #[inline(never)]
-    fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
-        match event {
-            Event::Undefined => self.integrator.refresh(),
-            // The right-hand side is continuous there.
-            Event::Border(_) | Event::Knot(_) => {}
-            Event::Regime(joint) => {
-                self.integrator.refresh();
-                self.progress.work.regimes += 1;
-                self.dynamics.change_regime(joint, z[0], z[1]);
-                if let Some(regime) = self.dynamics.regime(joint) {
-                    self.tell(What::Regime { joint, regime });
-                }
-                self.progress.held = at_once.then_some(event);
-            }
-            Event::Switch(switch) => {
-                self.integrator.refresh();
-                self.progress.work.signs += 1;
-                self.dynamics.flip_sign(switch);
-                self.progress.held = at_once.then_some(event);
-            }
-            Event::Reversal => {
-                self.jumped();
-                self.progress.work.reversals += 1;
-                z[1] = 0.0;
-                if !self.dynamics.sticks() {
-                    self.tell(What::Reversal);
-                } else if self.comes_to_stick(z)? && self.pauses() {
-                    return Err(Stopped::Event(self.progress));
-                }
-            }
-            Event::Bumper(bumper) => {
-                self.jumped();
-                self.progress.work.bumpers += 1;
-                if self.contact.touching().contains(bumper) {
-                    self.contact.let_go(bumper);
-                    self.tell(What::Left { stop: self.ends.travel.bumpers[bumper].stop });
-                } else {
-                    self.touched(bumper);
-                }
-            }
-            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
-                z[0] = self.ends.position(place).unwrap_or(z[0]);
-                self.contact.arrives(place);
-                return Err(Stopped::Event(self.progress));
-            }
-            Event::Stop(place) => {
-                self.jumped();
-                self.impact(place, z)?;
-            }
-            Event::Level(level) => {
-                if let Some(level) = self.dynamics.level(level, z) {
-                    z[level.component] = level.value;
-                }
-                return Err(Stopped::Event(self.progress));
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether a lock is to change in the state z.
-    #[inline(always)]
-    fn is_due(&self, z: &[f64; N]) -> bool {
-        (0..self.dynamics.levels()).any(|index| self.dynamics.level(index, z).is_some_and(|own| own.excess(z) >= 0.0))
-    }
-
-    /// Whether the advance pauses at an event now. At its very start it does not, so that each makes way.
-    #[inline(always)]
-    fn pauses(&self) -> bool {
-        self.witness.pauses.at_events && self.progress.t > 0.0
-    }
-
-    /// What follows at the start of an advance where the one before has paused: the impact at this place.
-    #[cold]
-    #[inline(never)]
-    fn meet(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
-        self.dynamics.set_time(0.0);
-        self.dynamics.set_state(z);
-        self.dynamics.set_touching(self.contact.touching());
-        self.jumped();
-        self.impact(place, z)
-    }
-
-    /// Something happens now.
-    #[inline(always)]
-    fn tell(&mut self, what: What) {
-        self.witness.tell(self.progress.t, what);
-    }
 }
 
 mod impact;
 mod location;
 mod rest;
-#[cfg(test)]
-mod tests;
+mod transitions;

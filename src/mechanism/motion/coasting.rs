@@ -5,11 +5,11 @@
 //! returns to a position in the same direction repeats itself: an oscillation between two dead points does, and a
 //! rotation if no load does net work over a revolution. One period is integrated at a tight tolerance and its end
 //! located to the last digit; then whole periods are passed over, and the state is exactly that at their start. It must
-//! not know what moves.
+//! not know loads.
 use crate::integrator::{Integrator, Step};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::{Contact, Ends};
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::step_ahead::Lookahead;
 use crate::mechanism::motion::witness::Witness;
 
@@ -27,8 +27,8 @@ const CORRECTIONS: usize = 12;
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A motion under loads that only the position decides.
-pub struct Coasting<'a, D, P, L> {
-    pub dynamics: &'a mut D,
+pub struct Coasting<'a, 'e, P, L> {
+    pub dynamics: &'a mut EquationOfMotion<'e>,
     pub integrator: &'a mut Integrator<2>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<2>,
@@ -58,7 +58,7 @@ struct Period {
     revolutions: f64,
 }
 
-impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> {
+impl<P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, '_, P, L> {
     /// Advance y = (sigma, sigma_dot) by exactly `span` [s], or until the integration has tried `most` steps since its
     /// start. Returns the energy lost in impacts [J]. Revolutions that sigma does not count are added to `passed`.
     ///
@@ -79,7 +79,7 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
     fn advance(&mut self, y: &mut [f64; 2], span: f64, progress: Progress) -> Result<f64, Stopped> {
         let Self { dynamics, integrator, lookahead, ends, contact, witness, tolerance, .. } = self;
         let tolerance = *tolerance;
-        if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps && !dynamics.has_knots() {
+        if ends.travel.is_empty() && !lookahead.counts() && !witness.pauses.at_steps && !dynamics.whole.has_knots() {
             let most = progress.work.most.saturating_sub(progress.work.extra);
             let mut t = progress.t;
             let whole = integrator.advance_from(*dynamics, &mut t, y, span, tolerance, most);
@@ -144,7 +144,9 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
         while start[1] != 0.0 && found.is_none() && integrator.attempts() < effort {
             let Ok(mut step) = integrator.step(self.dynamics, t, &y, f64::INFINITY, TOLERANCE) else { break };
             let way = (step.end[0] - step.start[0]).signum();
-            let knot = self.dynamics.next_knot(step.start[0], way).filter(|knot| (step.end[0] - knot) * way > 0.0);
+            let reduced = self.dynamics.whole;
+            let knot = if reduced.has_knots() { reduced.next_knot(step.start[0], way) } else { None };
+            let knot = knot.filter(|knot| (step.end[0] - knot) * way > 0.0);
             if let Some(knot) = knot {
                 let Some(shorter) = self.arrive_at(&mut integrator, &step, knot) else { break };
                 step = shorter;
@@ -198,6 +200,3 @@ impl<D: Dynamics<2>, P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, D, P, L> 
         None
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,32 +1,41 @@
 //! Events: where within a step a contact, a regime of friction or the direction of the drives changes.
 //!
+//! A motion has a list of guards. Each guard is an event that may come, with these functions:
+//!
+//! | function | of | states |
+//! |---|---|---|
+//! | [`Along::may_come`] | the ends of a step | whether the event may come within the step, by bounds |
+//! | [`Along::passage`] | the interpolant of a step | where the event comes first |
+//! | [`excess`] | one state | a value that is 0 at the event and negative before |
+//! | `Advance::apply_event` | the state at the event | the transition |
+//!
 //! In: a step, the places of the stops and the contact there. Out: the earliest event in the step, a root on its
 //! interpolant. Bounds rule out first what cannot be, as most steps have no event. Where they do not, roots are
 //! isolated by bounds as well: of sigma and sigma_dot by Bernstein coefficients, of the push of a bumper and the slip
 //! speed of a joint by interval bounds of the composed polynomials, so that an event is not missed because another one
 //! undoes it soon. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
-use crate::integrator::{Dense, Direction, Integrator, Step};
+use crate::integrator::{Dense, Direction, Integrator, Step, System};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
-use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
-use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::reduced::AT_KNOT;
-use crate::numerics::bracket::{bisect, false_position};
-use crate::numerics::enclosure::Enclosure;
-use crate::numerics::passage::Bounded;
-use crate::numerics::table::TablePosition;
-pub use levels::{first_level, may_pass_level};
-use std::cell::RefCell;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::motion::contact::{Contact, Ends, Place};
+use crate::mechanism::reduced::{AT_KNOT, StateLoads};
+use borders::{passage_of_border, passes_border};
+use bumpers::passage_of_bumper;
+pub use levels::{may_pass_level, passage_of_level};
+use places::Near;
+use regimes::{SlipBounds, passage_of_slip};
+use std::ops::Range;
 use switches::{may_switch, passage_of_switch};
 
 /// Part of a step within which a change of regime is located: a law followed so much too far errs by the square of it.
 pub const REGIME_TOLERANCE: f64 = 1e-11;
 
-/// Part of a step by which a change of regime must come before a reversal to be an event of its own: where the motion
-/// ends, all slip speeds pass 0.
+/// Part of a step by which a change of regime must come before a reversal to count: where the motion ends, all slip
+/// speeds pass 0.
 const BEFORE_REVERSAL: f64 = 1e-9;
 
-/// Part of a step by which a bumper that lets go must come before a lock at its place to be an event of its own.
+/// Part of a step by which a bumper that lets go must come before a lock at its place to count.
 const BEFORE_LOCK: f64 = 1e-9;
 
 /// An event within a step.
@@ -101,104 +110,95 @@ pub struct Found<const N: usize> {
     pub event: Event,
 }
 
+/// A step with what decides on the guards along it.
+struct Along<'s, 'e, const N: usize> {
+    dynamics: &'s mut EquationOfMotion<'e>,
+    integrator: &'s mut Integrator<N>,
+    /// Places of the stops, and the contact there.
+    around: (&'s Ends<'s>, &'s Contact),
+    step: &'s Step<N>,
+    tolerance: f64,
+    near: Near,
+    slips: Option<SlipBounds>,
+    /// Borders that are not passed.
+    distant: Range<usize>,
+}
+
+/// The guards of a motion, in the order in which events count that come at the same time: the first one does.
+#[inline(always)]
+fn guards<'a, const N: usize>(
+    dynamics: &EquationOfMotion<'_>,
+    ends: &'a Ends<'a>,
+    step: &Step<N>,
+) -> impl Iterator<Item = Event> + Clone + use<'a, N> {
+    let state_loads = dynamics.deciding::<N>();
+    let count = |of: fn(&StateLoads) -> usize| state_loads.map_or(0, of);
+    let reversals = (0..count(|own| usize::from(own.reverses))).map(|_| Event::Reversal);
+    let regimes = (0..count(|own| own.friction_joints.len())).map(Event::Regime);
+    let switches = (0..count(StateLoads::switches)).map(Event::Switch);
+    let borders = (0..dynamics.borders::<N>()).map(Event::Border);
+    let knots = knot_ahead(dynamics, step).map(Event::Knot).into_iter();
+    let levels = (0..dynamics.levels::<N>()).map(Event::Level);
+    let rigid = [0, 1].map(Place::rigid).into_iter().map(Event::Stop);
+    let bumpers = (0..ends.bumpers()).flat_map(|bumper| {
+        let [low, high] = [0, 1].map(|side| Event::Stop(Place::of_bumper(side, bumper)));
+        [low, high, Event::Bumper(bumper)]
+    });
+    reversals.chain(regimes).chain(switches).chain(borders).chain(knots).chain(levels).chain(rigid).chain(bumpers)
+}
+
+/// Part of a step by which the event of a guard must come before another event to count.
+fn margin(guard: Event, other: Event, touching: BumperSet) -> f64 {
+    match (guard, other) {
+        (Event::Regime(_), Event::Reversal) => BEFORE_REVERSAL,
+        (Event::Bumper(bumper), Event::Stop(place)) if place.bumper == Some(bumper) && touching.contains(bumper) => {
+            BEFORE_LOCK
+        }
+        _ => 0.0,
+    }
+}
+
 /// The earliest event in a step; `dense` becomes the interpolant of the step if that was needed. The change of a regime
 /// or a sign in `held` does not take place in the step.
-pub fn earliest_event<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
+pub fn earliest_event<'e, const N: usize>(
+    dynamics: &mut EquationOfMotion<'e>,
     integrator: &mut Integrator<N>,
-    (ends, contact): (&Ends, &Contact),
+    around: (&Ends, &Contact),
     step: &Step<N>,
     (held, tolerance): (Option<Event>, f64),
     dense: &mut Option<Dense<N>>,
-) -> Option<Found<N>> {
-    let reverses = dynamics.has_reversals() && may_reverse(dynamics, step);
-    let near = Near { start: step.start[0], end: step.end[0], bulge: step.bulge(0) };
-    let is_near = near.any(ends) || contact.touching() != BumperSet::EMPTY;
-    let joints = dynamics.friction_joints();
-    let slips = (joints > 0).then(|| SlipBounds::new(dynamics, step));
-    let may_change = |dynamics: &D, joint: usize| {
-        held != Some(Event::Regime(joint)) && slips.as_ref().is_some_and(|slips| slips.may_leave(dynamics, joint))
-    };
-    let changing = (0..joints).find(|&joint| may_change(dynamics, joint));
-    let borders = dynamics.borders();
-    let both = [(step.t, &step.start), (step.t + step.h, &step.end)];
-    let distant = if borders > 0 { dynamics.distant_borders(both) } else { 0..0 };
-    let passed = |dynamics: &mut D, border: usize| {
-        let [before, after] = both.map(|(t, z)| dynamics.beyond_border(border, t, z));
-        before * after < 0.0
-    };
-    let is_passed = (0..borders).any(|border| !distant.contains(&border) && passed(dynamics, border));
-    let is_held = |switch: usize| held == Some(Event::Switch(switch));
-    let mut switching = 0_u64;
-    for switch in (0..dynamics.switches().min(64)).filter(|&switch| !is_held(switch)) {
-        switching |= u64::from(may_switch(dynamics, switch, step, tolerance)) << switch;
+) -> Option<Found<N>>
+where
+    EquationOfMotion<'e>: System<N>,
+{
+    let guards = guards(dynamics, around.0, step);
+    let mut along = Along::new(dynamics, integrator, around, step, tolerance);
+    // All guards are asked before the interpolant, whose evaluations add samples of the switching quantities. The last
+    // mark is that of all further guards.
+    let (mark, mut marks) = (|index: usize| 1_u128 << index.min(127), 0);
+    for (index, guard) in guards.clone().enumerate() {
+        if held != Some(guard) && along.may_come(guard) {
+            marks |= mark(index);
+        }
     }
-    let knot = passed_knot(dynamics, step);
-    let may_pass = may_pass_level(dynamics, step);
-    if !(reverses || is_near || changing.is_some() || is_passed || knot.is_some() || switching != 0 || may_pass) {
+    if marks == 0 {
         return None;
     }
-    let dense = dense.get_or_insert_with(|| integrator.dense(dynamics, step));
+    let dense = dense.get_or_insert_with(|| along.integrator.dense(along.dynamics, step));
+    let undefined = |dense: &Dense<N>| Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined };
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
-        return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
+        return Some(undefined(dense));
     }
     let mut earliest = None;
-    // `part`: where in the step the event is, if it is there.
-    let mut offer = |part: Option<f64>, event: Event| {
-        if let Some(part) = part.filter(|part| earliest.is_none_or(|(other, _)| *part < other)) {
-            earliest = Some((part, event));
+    for (index, guard) in guards.enumerate() {
+        if marks & mark(index) == 0 || held == Some(guard) {
+            continue;
         }
-    };
-    let reversal = if reverses { dense.first_passage(1, 0.0, towards(-dynamics.direction()), false) } else { None };
-    offer(reversal, Event::Reversal);
-    let is_own = |part: &f64| reversal.is_none_or(|reversal| *part < reversal - BEFORE_REVERSAL);
-    for joint in changing.unwrap_or(joints)..joints {
-        if changing == Some(joint) || may_change(dynamics, joint) {
-            offer(regime_change(dynamics, dense, joint).filter(is_own), Event::Regime(joint));
-        }
-    }
-    for switch in (0..64).filter(|switch| switching >> switch & 1 == 1) {
-        offer(passage_of_switch(dynamics, integrator, step, dense, switch), Event::Switch(switch));
-    }
-    if is_passed {
-        for border in 0..borders {
-            if passed(dynamics, border) {
-                offer(Some(border_passage(dynamics, step, dense, border)), Event::Border(border));
-            }
-        }
-    }
-    if let Some((knot, direction)) = knot {
-        offer(dense.first_passage(0, knot, towards(direction), false), Event::Knot(knot));
-    }
-    if let Some((part, level)) = may_pass.then(|| first_level(dynamics, dense)).flatten() {
-        offer(Some(part), Event::Level(level));
-    }
-    for side in 0..2 {
-        let Some(position) = ends.rigid(side).filter(|&position| near.place(position, side)) else { continue };
-        let (place, leaving) = (Place::rigid(side), near.beyond(position, side) >= 0.0);
-        offer(dense.first_passage(0, position, towards(outward(side)), leaving), Event::Stop(place));
-        offer(back_to_lock(ends, dense, &near, place, position), Event::Stop(place));
-    }
-    for bumper in 0..ends.bumpers() {
-        let touches = contact.touching().contains(bumper);
-        let (mut may_push, mut back) = (touches, None::<f64>);
-        for side in 0..2 {
-            let Some(position) = ends.bumper(side, bumper).filter(|&p| near.place(p, side)) else { continue };
-            let (place, leaving) = (Place::of_bumper(side, bumper), near.beyond(position, side) >= 0.0);
-            // Coming from inside, the mechanism meets a bumper at its place, where a lock may catch it.
-            if !touches {
-                offer(dense.first_passage(0, position, towards(outward(side)), leaving), Event::Stop(place));
-            }
-            may_push |= leaving;
-            let caught = back_to_lock(ends, dense, &near, place, position);
-            offer(caught, Event::Stop(place));
-            back = caught.or(back);
-        }
-        if may_push {
-            let part = bumper_event(dynamics, dense, bumper, touches);
-            // An undamped bumper lets go at the very place where the lock catches.
-            let is_own = |part: &f64| !touches || back.is_none_or(|back| *part < back - BEFORE_LOCK);
-            offer(part.filter(is_own), Event::Bumper(bumper));
+        let touching = around.1.touching();
+        let is_earlier =
+            |part: f64| earliest.is_none_or(|(other, event)| part < other - margin(guard, event, touching));
+        if let Some(part) = along.passage(guard, dense).filter(|part| is_earlier(*part)) {
+            earliest = Some((part, guard));
         }
     }
     let found = earliest.map(|(part, event)| Found { part, state: dense.at(part), event })?;
@@ -206,225 +206,128 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
         && dynamics.derivative(step.t + found.part * step.h, &found.state)[1].is_nan()
     {
         // Friction locks somewhere before, where no stage of the step was.
-        dynamics.take_locked();
-        return Some(Found { part: 0.25, state: dense.at(0.25), event: Event::Undefined });
+        dynamics.locked = false;
+        return Some(undefined(dense));
     }
     Some(found)
 }
 
-/// The first knot that a step passes, or may pass before it turns back, and the direction in which it does.
-#[inline(always)]
-fn passed_knot<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> Option<(f64, f64)> {
-    if !dynamics.has_knots() {
-        return None;
-    }
-    let way = if step.start[1] == 0.0 { step.end[0] - step.start[0] } else { step.start[1] };
-    let (direction, turns) = (way.signum(), step.end[1] * way < 0.0);
-    let knot = dynamics.next_knot(step.start[0], direction)?;
-    let bulge = if turns { step.bulge(0) } else { 0.0 };
-    ((step.end[0] - knot) * direction + bulge > AT_KNOT * dynamics.length()).then_some((knot, direction))
-}
-
-/// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it
-/// rests.
-fn may_reverse<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> bool {
-    let [start, end] = [step.start[1], step.end[1]].map(|speed| speed * dynamics.direction());
-    end < 0.0 || (dynamics.sticks() && start.min(end) < step.bulge(1))
-}
-
-/// sigma over a step, as far as it decides whether a place may be passed.
-struct Near {
-    start: f64,
-    end: f64,
-    bulge: f64,
-}
-
-impl Near {
-    /// How far the start of the step is beyond a position.
-    #[inline]
-    fn beyond(&self, position: f64, side: usize) -> f64 {
-        (self.start - position) * outward(side)
+impl<'s, 'e, const N: usize> Along<'s, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
+    #[inline(always)]
+    fn new(
+        dynamics: &'s mut EquationOfMotion<'e>,
+        integrator: &'s mut Integrator<N>,
+        around: (&'s Ends<'s>, &'s Contact),
+        step: &'s Step<N>,
+        tolerance: f64,
+    ) -> Self {
+        let has_friction = dynamics.deciding::<N>().is_some_and(|own| !own.friction_joints.is_empty());
+        let slips = has_friction.then(|| SlipBounds::new(dynamics, step));
+        let both = [(step.t, &step.start), (step.t + step.h, &step.end)];
+        let distant = if dynamics.borders::<N>() > 0 { dynamics.distant_borders(both) } else { 0..0 };
+        Self { dynamics, integrator, around, step, tolerance, near: Near::new(step), slips, distant }
     }
 
-    /// Whether a position may be passed or is behind the mechanism.
-    #[inline]
-    fn place(&self, position: f64, side: usize) -> bool {
-        let (start, end) = (self.beyond(position, side), (self.end - position) * outward(side));
-        end >= 0.0 || start.max(end) + self.bulge > 0.0
+    /// Whether the event of a guard may come within the step, by bounds that need no interpolant.
+    #[inline(always)]
+    fn may_come(&mut self, guard: Event) -> bool {
+        let (dynamics, step, (ends, contact)) = (&mut *self.dynamics, self.step, self.around);
+        match guard {
+            Event::Reversal => may_reverse(dynamics, step),
+            Event::Regime(joint) => self.slips.as_ref().is_some_and(|slips| slips.may_leave(dynamics, joint)),
+            Event::Switch(switch) => may_switch(dynamics, switch, step, self.tolerance),
+            Event::Border(border) => !self.distant.contains(&border) && passes_border(dynamics, border, step),
+            Event::Knot(knot) => may_pass_knot(dynamics, knot, step),
+            Event::Level(level) => may_pass_level(dynamics, level, step),
+            Event::Stop(place) => self.near.may_pass_place(ends, place),
+            Event::Bumper(bumper) => contact.touching().contains(bumper) || self.near.is_behind(ends, bumper),
+            Event::Undefined => false,
+        }
     }
 
-    /// Whether that holds for any place.
-    #[inline]
-    fn any(&self, ends: &Ends) -> bool {
-        let is_near = |position: Option<f64>, side: usize| position.is_some_and(|p| self.place(p, side));
-        self.place(ends.limits[0], 0)
-            || self.place(ends.limits[1], 1)
-            || (0..ends.bumpers()).any(|k| is_near(ends.bumper(0, k), 0) || is_near(ends.bumper(1, k), 1))
+    /// Part of the step after which the event of a guard comes.
+    fn passage(&mut self, guard: Event, dense: &Dense<N>) -> Option<f64> {
+        let (dynamics, step, (ends, contact)) = (&mut *self.dynamics, self.step, self.around);
+        match guard {
+            Event::Reversal => dense.first_passage(1, 0.0, towards(-dynamics.mode.direction), false),
+            Event::Regime(joint) => passage_of_slip(dynamics, joint, dense),
+            Event::Switch(switch) => passage_of_switch(dynamics, switch, self.integrator, step, dense),
+            Event::Border(border) => passage_of_border(dynamics, border, step, dense),
+            Event::Knot(knot) => dense.first_passage(0, knot, towards(knot - step.start[0]), false),
+            Event::Level(level) => passage_of_level(dynamics, level, dense),
+            Event::Stop(place) => self.near.passage((ends, contact), place, dense),
+            Event::Bumper(bumper) => {
+                let touches = contact.touching().contains(bumper);
+                let may_push = touches || self.near.is_behind(ends, bumper);
+                if may_push { passage_of_bumper(dynamics, bumper, touches, dense) } else { None }
+            }
+            Event::Undefined => None,
+        }
     }
-}
-
-/// Part of a step after which a mechanism that comes back from beyond a place is there, if a lock is engaged.
-fn back_to_lock<const N: usize>(
-    ends: &Ends,
-    dense: &Dense<N>,
-    near: &Near,
-    place: Place,
-    position: f64,
-) -> Option<f64> {
-    let comes_back = ends.is_locked(place) && near.beyond(position, place.side) > 0.0;
-    comes_back.then(|| dense.first_passage(0, position, towards(-place.outward()), false))?
 }
 
 /// How far a state at the time t of the span [s] is past an event, in the unit of what decides: the speed, a push, the
 /// slip speed of a joint or a switching quantity. 0 at the event, negative before. Places of stops are told by sigma
 /// alone.
-pub fn excess<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
+pub fn excess<'e, const N: usize>(
+    dynamics: &mut EquationOfMotion<'e>,
     contact: &Contact,
     event: Event,
     t: f64,
     z: &[f64; N],
-) -> f64 {
+) -> f64
+where
+    EquationOfMotion<'e>: System<N>,
+{
     match event {
-        Event::Reversal => -dynamics.direction() * z[1],
-        Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
-        Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
+        Event::Reversal => -dynamics.mode.direction * z[1],
+        Event::Bumper(bumper) => dynamics.excess_of_bumper(bumper, contact.touching().contains(bumper), [z[0], z[1]]),
+        Event::Regime(joint) => dynamics.excess_of_slip(joint, [z[0], z[1]]),
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
-        Event::Level(level) => dynamics.level(level, z).map_or(0.0, |level| level.excess(z)),
+        Event::Level(level) => dynamics.level_of_network(level, z).map_or(0.0, |level| level.excess(z)),
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
 
-fn excess_of_bumper<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    bumper: usize,
-    touches: bool,
-    [sigma, sigma_dot]: [f64; 2],
-) -> f64 {
-    let (beyond, push) = dynamics.bumper_push(bumper, sigma, sigma_dot);
-    if touches { -push } else { beyond.min(push) }
+/// The knot that the motion comes to first from the start of a step.
+#[inline(always)]
+fn knot_ahead<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> Option<f64> {
+    let reduced = dynamics.whole;
+    if reduced.has_knots() { reduced.next_knot(step.start[0], way(step).signum()) } else { None }
 }
 
-fn excess_of_slip<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize, [sigma, sigma_dot]: [f64; 2]) -> f64 {
-    let ((low, high), v) = (dynamics.slip_range(joint), dynamics.slip(joint, sigma, sigma_dot));
-    (low - v).max(v - high)
+/// Whether a step passes a knot, or may pass it before it turns back.
+fn may_pass_knot<const N: usize>(dynamics: &EquationOfMotion<'_>, knot: f64, step: &Step<N>) -> bool {
+    let way = way(step);
+    let bulge = if step.end[1] * way < 0.0 { step.bulge(0) } else { 0.0 };
+    (step.end[0] - knot) * way.signum() + bulge > AT_KNOT * dynamics.reduced.scale()
+}
+
+/// A number with the sign of the direction in which a step starts.
+#[inline(always)]
+fn way<const N: usize>(step: &Step<N>) -> f64 {
+    if step.start[1] == 0.0 { step.end[0] - step.start[0] } else { step.start[1] }
+}
+
+/// Whether sigma_dot may change its sign within a step. Where friction sticks, it may do so and come back: there it
+/// rests.
+fn may_reverse<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> bool {
+    let [start, end] = [step.start[1], step.end[1]].map(|speed| speed * dynamics.mode.direction);
+    end < 0.0 || (dynamics.sticks() && start.min(end) < step.bulge(1))
 }
 
 fn towards(sign: f64) -> Direction {
     if sign > 0.0 { Direction::Rising } else { Direction::Falling }
 }
 
-/// Part of a step after which a bumper that touches would pull, so that it lets go; or one that does not touch, but is
-/// pressed, would push, so that it begins to.
-fn bumper_event<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    dense: &Dense<N>,
-    bumper: usize,
-    touches: bool,
-) -> Option<f64> {
-    const PARTS: usize = 12;
-    let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| excess_of_bumper(*dynamics.borrow_mut(), bumper, touches, [0, 1].map(|n| dense.component(n, s)));
-    let motion = dense.bounded([0, 1]);
-    let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.enclosures([a, b]);
-        let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
-        if touches { -push } else { beyond.min(push) }
-    };
-    let locate =
-        |f: &mut dyn FnMut(f64) -> f64, (a, _): (f64, f64), (b, _): (f64, f64)| bisect(|s| f(s) > 0.0, a, b)[1];
-    let start = f(0.0);
-    if start > 0.0 {
-        // Rounding, unless it grows.
-        let (first, slope) = (1.0 / PARTS as f64, bounds(0.0, 1.0 / PARTS as f64).slope);
-        if slope.low > 0.0 || (slope.high > 0.0 && f(first) > start) {
-            return Some(REGIME_TOLERANCE);
-        }
-    }
-    Bounded { f, bounds, locate }.first_rise(start, PARTS)
-}
-
-/// Part of a step after which a border is passed that is between its ends: where a state is at it, or else located as a
-/// change of regime.
-#[cold]
-fn border_passage<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    step: &Step<N>,
-    dense: &Dense<N>,
-    border: usize,
-) -> f64 {
-    let mut beyond = |part: f64| dynamics.beyond_border(border, step.t + part * step.h, &dense.at(part));
-    let [before, after] = [0.0, 1.0].map(&mut beyond);
-    let mut there = None;
-    let excess = |part: f64| {
-        if there.is_none() {
-            match beyond(part) * after.signum() {
-                0.0 => there = Some(part),
-                excess => return excess,
-            }
-        }
-        1.0
-    };
-    let passed = false_position(excess, (0.0, before * after.signum()), (1.0, after.abs()), REGIME_TOLERANCE);
-    there.unwrap_or(passed)
-}
-
-/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
-type SlipEnd = ((f64, TablePosition), [f64; 2]);
-
-/// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
-struct SlipBounds {
-    h: f64,
-    /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
-    ends: Option<[SlipEnd; 2]>,
-}
-
-impl SlipBounds {
-    fn new<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> Self {
-        let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
-        Self { h: step.h, ends: step.rates().map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
-    }
-
-    /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
-    /// Bezier points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance
-    /// from a straight line.
-    fn may_leave<D: Dynamics<N>, const N: usize>(&self, dynamics: &D, joint: usize) -> bool {
-        const MARGIN: f64 = 0.5;
-        let Some([start, end]) = self.ends else { return true };
-        let (low, high) = dynamics.slip_range(joint);
-        let [a, rate_a] = dynamics.slip_rate(joint, start.0, start.1);
-        let [b, rate_b] = dynamics.slip_rate(joint, end.0, end.1);
-        let third = self.h / 3.0;
-        let (second, third) = (a + third * rate_a, b - third * rate_b);
-        let third_of = (b - a) / 3.0;
-        let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
-        // The start is within the range, but for rounding.
-        [second, third, b].iter().any(|v| v - margin < low || v + margin > high)
-    }
-}
-
-/// Part of a step after which the slip speed of a friction joint leaves the range of its regime.
-fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, joint: usize) -> Option<f64> {
-    const PARTS: usize = 8;
-    let (low, high) = dynamics.slip_range(joint);
-    let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| {
-        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
-        (low - v).max(v - high)
-    };
-    let motion = dense.bounded([0, 1]);
-    let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.enclosures([a, b]);
-        let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);
-        (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
-    };
-    let locate =
-        |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
-    // The start is within the range, but for rounding.
-    Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
-}
-
+mod borders;
+mod bumpers;
 mod levels;
+mod places;
+mod regimes;
 mod switches;

@@ -4,7 +4,6 @@
 //! transition is made.
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::motion::contact::{Place, outward};
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::{Kinematics, OutputError, View};
 use crate::mechanism::quantity::{Curve, Indicator};
@@ -44,7 +43,7 @@ fn beyond(x: f64, position: f64, side: usize) -> f64 {
 /// travel.
 fn bumper(view: &mut View<f64>, bumper: usize) -> Result<f64, OutputError> {
     let (state, mut equation) = (view.state, view.equation()?);
-    let (beyond, push) = Dynamics::<3>::bumper_push(&mut equation, bumper, state.sigma, state.sigma_dot);
+    let (beyond, push) = equation.bumper_push(bumper, state.sigma, state.sigma_dot);
     Ok(if state.contact.touching().contains(bumper) { push } else { -beyond.min(push) })
 }
 

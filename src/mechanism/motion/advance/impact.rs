@@ -3,10 +3,11 @@
 //! In: a state at such a place. Out: the state, the contact and the energy lost after the impact. It must not know what
 //! moves.
 use super::{Advance, Stopped};
+use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{EngagedLocks, Place, outward};
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::impacts::Impact;
 use crate::mechanism::motion::witness::What;
 
@@ -16,7 +17,10 @@ const SHORTEST_FLIGHT: f64 = 1e-10;
 /// search for the impact assumes.
 const LOWEST_FLIGHT: f64 = 64.0 * f64::EPSILON;
 
-impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+impl<'e, const N: usize> Advance<'_, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
     /// A mechanism that sets out outward from the place where a bumper begins presses that bumper from the start.
     #[inline(always)]
     pub(super) fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
@@ -108,7 +112,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 self.tell_bumpers(touching);
             }
             self.contact.set_touching(touching);
-            self.dynamics.set_touching(touching);
+            self.dynamics.mode.touching = touching;
         }
     }
 
@@ -123,11 +127,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         let rests = speed == 0.0 || {
             if self.ends.bumpers() > 0 {
                 let at_rest = self.pressed_bumpers(z[0], 0.0);
-                self.dynamics.set_touching(at_rest);
+                self.dynamics.mode.touching = at_rest;
             }
             let press = self.dynamics.free_acceleration(z[0], 0.0)? * outward(side);
-            self.dynamics.set_touching(self.contact.touching());
-            let fall = (self.dynamics.length() / press.abs()).sqrt();
+            self.dynamics.mode.touching = self.contact.touching();
+            let fall = (self.dynamics.reduced.scale() / press.abs()).sqrt();
             let shortest = SHORTEST_FLIGHT.max(0.1 * self.tolerance * fall);
             let (duration, height) = (2.0 * speed / press, 0.5 * speed * speed / press);
             press > 0.0 && (duration < shortest || height < LOWEST_FLIGHT * z[0].abs())

@@ -2,8 +2,8 @@
 //!
 //! In: a step, an event on its interpolant. Out: the step that ends at the event. It must not know what moves.
 use super::Advance;
-use crate::integrator::{Dense, Step};
-use crate::mechanism::motion::dynamics::Dynamics;
+use crate::integrator::{Dense, Step, System};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
 use crate::mechanism::reduced::AT_KNOT;
 
@@ -16,7 +16,10 @@ const ROUNDING: f64 = 1e-12;
 /// Steps in a row that may be taken again because they are too coarse.
 const MOST_REFINEMENTS: u32 = 20;
 
-impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+impl<'e, const N: usize> Advance<'_, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
     /// Whether states may be taken from the interpolant of a step.
     #[inline(always)]
     pub(super) fn is_exact(&mut self, step: &Step<N>, dense: &Dense<N>) -> bool {
@@ -73,7 +76,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         let place = match found.event {
             Event::Stop(place) => Some((self.ends.position(place), 0.0)),
             // Of a kink the square of the distance matters.
-            Event::Knot(sigma) => Some((Some(sigma), 0.5 * AT_KNOT * self.dynamics.length())),
+            Event::Knot(sigma) => Some((Some(sigma), 0.5 * AT_KNOT * self.dynamics.reduced.scale())),
             _ => None,
         };
         if let Some((position, near)) = place {

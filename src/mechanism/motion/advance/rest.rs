@@ -2,24 +2,65 @@
 //!
 //! In: a mechanism at rest, inputs that may change with time. Out: the time at which it sets off. It must not know what
 //! moves.
-use super::{Advance, Instant, Stopped};
-use crate::integrator::{Dense, Step};
+use super::transitions::Instant;
+use super::{Advance, Stopped};
+use crate::integrator::{Dense, Step, System};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::loads::friction_loop::Locked;
+use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::motion::contact::Place;
-use crate::mechanism::motion::dynamics::Dynamics;
-use crate::mechanism::motion::events::{Event, Found, first_level, may_pass_level};
+use crate::mechanism::motion::events::{Event, Found, may_pass_level, passage_of_level};
 use crate::mechanism::motion::witness::What;
+use crate::mechanism::reduced::StateLoads;
 use crate::numerics::bracket::bisect;
 use crate::numerics::passage::first_rise_of_quartic;
+use std::mem::take;
 
-impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
+impl EquationOfMotion<'_> {
+    /// Inputs whose signs decide a law at rest: values and two time derivatives at the start of the span. Between the
+    /// zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most.
+    fn switching_inputs(&self) -> impl Iterator<Item = [f64; 3]> {
+        let drives = &self.reduced.loading().drives;
+        self.applied.change.iter().flat_map(move |change| {
+            let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
+            let at_rest = move |state_loads: &StateLoads, drive: usize| {
+                let law = state_loads.laws.iter().position(|law| law.drive == drive);
+                match (law, &drives[drive].law) {
+                    (Some(k), Some(law)) => law.at_rest(of(drive), of, self.scratch.evaluator.position_of_law(k)),
+                    _ => of(drive),
+                }
+            };
+            let deciding = self.state_loads.into_iter();
+            let efficient = deciding.clone().flat_map(|own| own.drives[..own.efficient].iter().map(move |k| (own, *k)));
+            let limits = deciding.flat_map(|own| own.limits.iter().map(move |limit| (own, *limit)));
+            let beyond_limits = limits.map(move |(own, (law, side))| {
+                let drive = own.laws[law].drive;
+                let [force, first, second] = at_rest(own, drive);
+                let limit = drives[drive].law.as_ref().and_then(DriveLaw::control).and_then(|own| own.limits[side]);
+                [limit.unwrap_or(0.0) - force, -first, -second]
+            });
+            let [first, second] = change.airspeed;
+            let air = self.scratch.air.then_some([self.applied.airspeed, first, second]);
+            efficient.map(move |(own, drive)| at_rest(own, drive)).chain(beyond_limits).chain(air)
+        })
+    }
+}
+
+impl<'e, const N: usize> Advance<'_, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
+    /// Whether parts of the state go on while the mechanism is held at rest.
+    const EVOLVES_AT_REST: bool = N > MOTION;
+
     /// At rest at a place: held by a lock, or by a rigid stop until the loads no longer press the mechanism against it,
     /// or exceed what a lock holds.
     #[inline(always)]
     pub(super) fn rest(&mut self, place: Place, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         let sigma = z[0];
         if self.contact.is_latched() {
-            if self.dynamics.evolves_at_rest() {
+            if Self::EVOLVES_AT_REST {
                 self.go_on_at_rest(z, span, &[])?;
             }
             return Ok(Instant::Held);
@@ -52,7 +93,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// Whether a mechanism that has come to rest is held by its friction, which is told.
     #[cold]
     pub(super) fn comes_to_stick(&mut self, z: &[f64; N]) -> Result<bool, Locked> {
-        self.dynamics.set_time(self.progress.t);
+        self.dynamics.time = self.progress.t;
         self.dynamics.set_state(z);
         let sticks = self.dynamics.find_direction(z[0], z[1])? == 0.0;
         if sticks {
@@ -92,10 +133,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         const PIECES: f64 = 8.0;
         let sigma = z[0];
         let directions = if directions[0] == directions[1] { &directions[..1] } else { &directions[..] };
-        if self.dynamics.evolves_at_rest() {
+        if Self::EVOLVES_AT_REST {
             return self.go_on_at_rest(z, span, directions);
         }
-        if !self.dynamics.inputs_change() {
+        if self.dynamics.applied.change.is_none() {
             return Ok(false);
         }
         let from = self.progress.t;
@@ -107,15 +148,15 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             for direction in directions {
                 let (grip, dynamics) = (self.grip(), &mut *self.dynamics);
                 let excess = |t: f64| {
-                    dynamics.set_time(t);
-                    Ok::<f64, Locked>(dynamics.acceleration_from_rest(sigma, *direction)? * direction - grip)
+                    dynamics.time = t;
+                    Ok::<f64, Locked>(dynamics.setting_off(sigma, *direction)? * direction - grip)
                 };
                 let rise = first_rise_of_quartic(excess, [a, b], CLOSE * (span - from))?;
                 first = [first, rise].into_iter().flatten().reduce(f64::min);
             }
             if let Some(t) = first {
                 self.progress.t = t;
-                self.dynamics.set_time(t);
+                self.dynamics.time = t;
                 return Ok(t < span);
             }
             a = b;
@@ -127,10 +168,10 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// before the end of the span.
     #[cold]
     fn go_on_at_rest(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
-        self.dynamics.set_held(true);
+        self.dynamics.set_held::<N>(true);
         let went = self.hold(z, span, directions);
-        self.dynamics.set_held(false);
-        if matches!(went, Err(Stopped::Integration(_))) && self.dynamics.take_locked() {
+        self.dynamics.set_held::<N>(false);
+        if matches!(went, Err(Stopped::Integration(_))) && take(&mut self.dynamics.locked) {
             return Err(Stopped::Locked);
         }
         went
@@ -145,14 +186,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                 return Err(Stopped::Budget(self.progress));
             }
             let t = self.progress.t;
-            let kink = self.dynamics.next_kink(t);
+            let kink = self.dynamics.next_kink::<N>(t);
             let is_cut = kink < span;
             let end = if is_cut { kink } else { span };
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance).map_err(Stopped::Integration)?;
             let sets_off = self.sets_off(t + step.h, &step.end, directions)?;
-            let may_pass = may_pass_level(self.dynamics, &step);
+            let levels = 0..self.dynamics.levels::<N>();
+            let may_pass = levels.clone().any(|level| may_pass_level(self.dynamics, level, &step));
             let dense = if sets_off || may_pass { Some(self.integrator.dense(self.dynamics, &step)) } else { None };
-            let level = dense.as_ref().filter(|_| may_pass).and_then(|dense| first_level(self.dynamics, dense));
+            let level = dense.as_ref().filter(|_| may_pass).and_then(|dense| {
+                let passages = levels.filter_map(|level| Some((passage_of_level(self.dynamics, level, dense)?, level)));
+                passages.min_by(|one, other| one.0.total_cmp(&other.0))
+            });
             let mut end = 1.0;
             if let (Some(dense), Some((part, level))) = (&dense, level) {
                 if !self.sets_off(t + part * step.h, &dense.at(part), directions)? {
@@ -191,7 +236,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             *z = end.end;
             z[..2].copy_from_slice(&rest);
             self.progress.t += end.h;
-            self.dynamics.set_time(self.progress.t);
+            self.dynamics.time = self.progress.t;
             return Ok(self.progress.t < span);
         }
         Ok(false)
@@ -252,11 +297,11 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// The largest acceleration with which a mechanism at rest would set off in one of these directions, less what a
     /// lock holds; below 0: none.
     fn excess_from_rest(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<f64, Locked> {
-        self.dynamics.set_time(t);
+        self.dynamics.time = t;
         self.dynamics.set_state(z);
         let mut most = f64::NEG_INFINITY;
         for &direction in directions {
-            most = most.max(self.dynamics.acceleration_from_rest(z[0], direction)? * direction);
+            most = most.max(self.dynamics.setting_off(z[0], direction)? * direction);
         }
         Ok(most - self.grip())
     }
@@ -264,17 +309,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
     /// The first time after `t`, at most `span`, at which an input passes 0 whose sign decides a law at rest.
     #[inline(always)]
     fn next_switch(&self, t: f64, span: f64) -> f64 {
-        let mut next = span;
-        let mut index = 0;
-        while let Some(input) = self.dynamics.switching_input(index) {
-            // Rounding of a root must not bring it back.
-            let is_next = |root: &f64| *root > t + 1e-12 * span && *root < next;
-            if let Some(root) = roots_of_input(input).into_iter().filter(is_next).reduce(f64::min) {
-                next = root;
-            }
-            index += 1;
-        }
-        next
+        // Rounding of a root must not bring it back.
+        let is_later = |root: &f64| *root > t + 1e-12 * span;
+        self.dynamics.switching_inputs().flat_map(roots_of_input).filter(is_later).fold(span, f64::min)
     }
 
     /// Generalised force up to which a lock with a release force holds the mechanism at rest; 0 where none does.

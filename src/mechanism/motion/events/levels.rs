@@ -1,26 +1,35 @@
 //! Passages of the levels at which locks change.
 //!
-//! In: a step, its interpolant. Out: whether a level may be passed within the step, and where the first one is. It must
-//! not know what a level stands for.
+//! In: a step, its interpolant. Out: whether a level may be passed within the step, and where. It must not know what a
+//! level stands for.
 use super::towards;
 use crate::integrator::{Dense, Step};
-use crate::mechanism::motion::dynamics::Dynamics;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::network::NETWORKED;
+
+impl EquationOfMotion<'_> {
+    /// Number of levels of components of the state at which locks change.
+    #[inline(always)]
+    pub fn levels<const N: usize>(&self) -> usize {
+        if N == NETWORKED { self.pressure_locks() } else { 0 }
+    }
+}
 
 /// Whether a level may be passed within a step.
 #[inline]
-pub fn may_pass_level<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> bool {
-    (0..dynamics.levels()).filter_map(|index| dynamics.level(index, &step.start)).any(|level| {
+pub fn may_pass_level<const N: usize>(dynamics: &EquationOfMotion<'_>, level: usize, step: &Step<N>) -> bool {
+    dynamics.level_of_network(level, &step.start).is_some_and(|level| {
         let [start, end] = [&step.start, &step.end].map(|z| level.excess(z));
         end >= 0.0 || start.max(end) + step.bulge(level.component) > 0.0
     })
 }
 
-/// The part of a step after which the first level is passed, and the index of this level.
-pub fn first_level<D: Dynamics<N>, const N: usize>(dynamics: &D, dense: &Dense<N>) -> Option<(f64, usize)> {
-    let start = dense.at(0.0);
-    let passage = |index: usize| {
-        let level = dynamics.level(index, &start)?;
-        Some((dense.first_passage(level.component, level.value, towards(level.sign), false)?, index))
-    };
-    (0..dynamics.levels()).filter_map(passage).min_by(|one, other| one.0.total_cmp(&other.0))
+/// The part of a step after which a level is passed.
+pub fn passage_of_level<const N: usize>(
+    dynamics: &EquationOfMotion<'_>,
+    level: usize,
+    dense: &Dense<N>,
+) -> Option<f64> {
+    let level = dynamics.level_of_network(level, &dense.at(0.0))?;
+    dense.first_passage(level.component, level.value, towards(level.sign), false)
 }

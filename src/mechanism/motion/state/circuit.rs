@@ -18,7 +18,6 @@ use crate::mechanism::dynamics::ports::{NetworkPorts, Ports};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
 use crate::mechanism::motion::contact::EngagedLocks;
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::hydraulic_motion::{Driven, HydraulicMotion};
@@ -31,7 +30,7 @@ use std::any::Any;
 use std::sync::OnceLock;
 
 /// A motion with the hydraulics that drive it.
-pub trait Hydraulics<'e, const N: usize>: Dynamics<N> {
+pub trait Hydraulics<'e, const N: usize> {
     /// Begin a step of `h` [s], `time` [s] after the start, with the Jacobian that implicit steps keep. None if a
     /// length is not smooth along the motion.
     fn begin(&mut self, inputs: &'e Inputs, time: f64, h: f64) -> Option<()>;

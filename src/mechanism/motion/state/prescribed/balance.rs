@@ -10,7 +10,6 @@ use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::dynamics::inverse::{Demand, toward, with_efficiency};
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::dynamics::state_loads::Mode;
-use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::power_ahead::PowerAhead;
 use crate::numerics::kronrod::{NODES, means, relative_error};
 
@@ -108,7 +107,7 @@ impl Balance<'_, '_> {
         }
         let mut equation = self.equation(sigma, 0.0, 0.0);
         self.touching = BumperSet::of(count, |bumper| {
-            let (beyond, push) = Dynamics::<3>::bumper_push(&mut equation, bumper, sigma, sigma_dot);
+            let (beyond, push) = equation.bumper_push(bumper, sigma, sigma_dot);
             beyond > 0.0 && push > 0.0
         });
     }

@@ -1,0 +1,70 @@
+//! Passages of the places of stops.
+//!
+//! In: a step, its interpolant, places with the contact there. Out: whether a place may be passed within the step, and
+//! where. It must not know what a stop does.
+use super::towards;
+use crate::integrator::{Dense, Step};
+use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
+
+/// sigma over a step, as far as it decides whether a place may be passed.
+pub(super) struct Near {
+    start: f64,
+    end: f64,
+    bulge: f64,
+}
+
+impl Near {
+    #[inline]
+    pub fn new<const N: usize>(step: &Step<N>) -> Self {
+        Self { start: step.start[0], end: step.end[0], bulge: step.bulge(0) }
+    }
+
+    /// How far the start of the step is beyond a position.
+    #[inline]
+    fn beyond(&self, position: f64, side: usize) -> f64 {
+        (self.start - position) * outward(side)
+    }
+
+    /// Whether a position may be passed or is behind the mechanism.
+    #[inline]
+    fn may_pass(&self, position: f64, side: usize) -> bool {
+        let (start, end) = (self.beyond(position, side), (self.end - position) * outward(side));
+        end >= 0.0 || start.max(end) + self.bulge > 0.0
+    }
+
+    /// Whether a place may be passed or is behind the mechanism.
+    #[inline]
+    pub fn may_pass_place(&self, ends: &Ends, place: Place) -> bool {
+        let position = match place.bumper {
+            None => Some(ends.limits[place.side]),
+            Some(bumper) => ends.bumper(place.side, bumper),
+        };
+        position.is_some_and(|position| self.may_pass(position, place.side))
+    }
+
+    /// Whether the mechanism starts behind a place of a bumper, or at it.
+    #[inline]
+    pub fn is_behind(&self, ends: &Ends, bumper: usize) -> bool {
+        (0..2).any(|side| {
+            let is_behind = |p: f64| self.may_pass(p, side) && self.beyond(p, side) >= 0.0;
+            ends.bumper(side, bumper).is_some_and(is_behind)
+        })
+    }
+
+    /// Part of a step after which a mechanism meets a stop from within, or comes back from beyond its place to a lock
+    /// that is engaged there. A bumper is met at its place, where a lock may catch the mechanism, unless it touches.
+    pub fn passage<const N: usize>(
+        &self,
+        (ends, contact): (&Ends, &Contact),
+        place: Place,
+        dense: &Dense<N>,
+    ) -> Option<f64> {
+        let (position, outward) = (ends.position(place)?, place.outward());
+        let beyond = self.beyond(position, place.side);
+        let touches = place.bumper.is_some_and(|bumper| contact.touching().contains(bumper));
+        let met = if touches { None } else { dense.first_passage(0, position, towards(outward), beyond >= 0.0) };
+        let comes_back = ends.is_locked(place) && beyond > 0.0;
+        let caught = if comes_back { dense.first_passage(0, position, towards(-outward), false) } else { None };
+        [met, caught].into_iter().flatten().reduce(f64::min)
+    }
+}

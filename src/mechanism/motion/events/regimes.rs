@@ -1,0 +1,118 @@
+//! Slip speeds of friction joints, and where they leave the ranges of their regimes.
+//!
+//! In: an equation of motion, a step, its interpolant. Out: slip speeds with bounds, whether and where a regime changes.
+//! It must not know which regime follows.
+use super::REGIME_TOLERANCE;
+use crate::integrator::{Dense, Step};
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::numerics::bracket::false_position;
+use crate::numerics::enclosure::Enclosure;
+use crate::numerics::passage::Bounded;
+use crate::numerics::table::{TablePosition, polynomial};
+use std::cell::RefCell;
+
+impl EquationOfMotion<'_> {
+    /// Slip speed of a joint [m/s].
+    pub fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
+        // Needed at the ends of steps and between them, it leaves the present panel as it is.
+        let x = if self.reduced.exact { Some(self.locate(sigma)) } else { None };
+        let Some(state_loads) = self.state_loads else { return 0.0 };
+        let component = state_loads.free() + joint;
+        let influence = if let Some(x) = x {
+            polynomial(self.scratch.panel_force.series(&state_loads.table, component), x)
+        } else {
+            self.component(component, sigma)
+        };
+        influence * sigma_dot * state_loads.friction_joints[joint].radius
+    }
+
+    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of sigma and sigma_dot.
+    fn slip_bounds(&self, joint: usize, [sigma, sigma_dot]: [Enclosure; 2]) -> Enclosure {
+        let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
+        let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
+        influence * sigma_dot * state_loads.friction_joints[joint].radius
+    }
+
+    /// sigma with its position in the table, for [`Self::slip_rate`], the same for all joints.
+    fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
+        let (reduced, state_loads) = self.stretch_at(sigma);
+        let table = state_loads.map(|state_loads| (reduced, &*state_loads.table));
+        let position = |table| self.scratch.panel_force.position(table, sigma);
+        (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
+    }
+
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
+    fn slip_rate(&self, joint: usize, (at, [sigma_dot, sigma_ddot]): SlipEnd) -> [f64; 2] {
+        let ((_, Some(state_loads)), at) = (self.stretch_at(at.0), at.1) else { return [0.0; 2] };
+        let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
+        let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
+        [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+    }
+
+    /// Least and largest slip speed of the regime in which a joint is [m/s].
+    #[inline]
+    fn slip_range(&self, joint: usize) -> (f64, f64) {
+        let regime = self.regime(joint);
+        self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
+    }
+
+    /// How far the slip speed of a joint is beyond the range of its regime [m/s].
+    pub(super) fn excess_of_slip(&mut self, joint: usize, [sigma, sigma_dot]: [f64; 2]) -> f64 {
+        let ((low, high), v) = (self.slip_range(joint), self.slip(joint, sigma, sigma_dot));
+        (low - v).max(v - high)
+    }
+}
+
+/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
+type SlipEnd = ((f64, TablePosition), [f64; 2]);
+
+/// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
+pub(super) struct SlipBounds {
+    h: f64,
+    /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step has no rates.
+    ends: Option<[SlipEnd; 2]>,
+}
+
+impl SlipBounds {
+    pub fn new<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> Self {
+        let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
+        Self { h: step.h, ends: step.rates().map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
+    }
+
+    /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
+    /// Bezier points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance
+    /// from a straight line.
+    pub fn may_leave(&self, dynamics: &EquationOfMotion<'_>, joint: usize) -> bool {
+        const MARGIN: f64 = 0.5;
+        let Some(ends) = self.ends else { return true };
+        let (low, high) = dynamics.slip_range(joint);
+        let [[a, rate_a], [b, rate_b]] = ends.map(|end| dynamics.slip_rate(joint, end));
+        let third = self.h / 3.0;
+        let (second, third) = (a + third * rate_a, b - third * rate_b);
+        let third_of = (b - a) / 3.0;
+        let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
+        // The start is within the range, but for rounding.
+        [second, third, b].iter().any(|v| v - margin < low || v + margin > high)
+    }
+}
+
+/// Part of a step after which the slip speed of a friction joint leaves the range of its regime.
+pub(super) fn passage_of_slip<const N: usize>(
+    dynamics: &mut EquationOfMotion<'_>,
+    joint: usize,
+    dense: &Dense<N>,
+) -> Option<f64> {
+    const PARTS: usize = 8;
+    let (low, high) = dynamics.slip_range(joint);
+    let dynamics = &RefCell::new(dynamics);
+    let f = |s: f64| dynamics.borrow_mut().excess_of_slip(joint, [0, 1].map(|n| dense.component(n, s)));
+    let motion = dense.bounded([0, 1]);
+    let bounds = |a: f64, b: f64| {
+        let v = dynamics.borrow().slip_bounds(joint, motion.enclosures([a, b]));
+        (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
+    };
+    let locate =
+        |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
+    // The start is within the range, but for rounding.
+    Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
+}
