@@ -110,19 +110,6 @@ struct Aim {
     is_cut: bool,
 }
 
-/// A step up to its earliest event; without one, the whole step.
-struct ToEvent<const N: usize> {
-    /// Time from the start of the step [s].
-    h: f64,
-    /// State there.
-    state: [f64; N],
-    found: Option<Found<N>>,
-    /// Interpolant of the whole step, if it was needed.
-    dense: Option<Dense<N>>,
-    /// The step made again to end there, if the interpolant is not exact enough.
-    shorter: Option<Step<N>>,
-}
-
 // What each step does, with the modules below, is inlined into `run`, so that the fields of the advance stay in
 // registers; what happens at an event is not, as it stands at several places.
 impl<'e, const N: usize> Advance<'_, 'e, N>
@@ -150,16 +137,34 @@ where
                 Instant::Moves => {}
             }
             let aim = self.aim(z, span);
-            let Some(step) = self.continuous_step(z, aim)? else { continue };
-            let Some(part) = self.earliest_event(&step) else { continue };
-            if aim.is_beyond && step.t + part.h > span {
-                let Some(state) = self.keep_ahead(&step, part, span) else { continue };
+            let step = self.continuous_step(z, aim);
+            let step = match &step {
+                Ok(step) => step,
+                Err(error) => {
+                    self.give_up(*error, aim)?;
+                    continue;
+                }
+            };
+            let mut dense = None;
+            let Some(found) = self.find_event(step, &mut dense) else { continue };
+            let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
+            let (h, state) = match (&found, &shorter) {
+                (_, Some(shorter)) => (shorter.h, shorter.end),
+                (Some(found), None) => (found.part * step.h, found.state),
+                (None, None) => (step.h, step.end),
+            };
+            if aim.is_beyond && step.t + h > span {
+                let dense = dense.filter(|_| shorter.is_none());
+                let kept = shorter.as_ref().unwrap_or(step);
+                let Some(state) = self.keep_ahead((kept, dense), (h, state), found, span) else { continue };
                 *z = state;
                 break;
             }
-            let is_done = part.found.is_none() && step.reached && !aim.is_cut;
-            self.transition(&part, z)?;
-            if is_done {
+            *z = state;
+            self.progress.t += h;
+            self.refine(dense.is_some(), h);
+            self.transition(found.as_ref(), z)?;
+            if found.is_none() && step.reached && !aim.is_cut {
                 break;
             }
             // A change of law that is kept for the next step must not be forgotten.
@@ -191,37 +196,38 @@ where
         Aim { end: if is_cut { kink } else { end }, is_beyond, is_cut }
     }
 
-    /// The continuous step from the state z; none if it was to go beyond the span in vain.
+    /// The continuous step from the state z.
     #[inline(always)]
-    fn continuous_step(&mut self, z: &[f64; N], aim: Aim) -> Result<Option<Step<N>>, Stopped> {
+    fn continuous_step(&mut self, z: &[f64; N], aim: Aim) -> Result<Step<N>, IntegrationError> {
         let t = self.progress.t;
         self.dynamics.scratch.evaluator.begin_step();
-        let step = if aim.is_beyond {
+        if aim.is_beyond {
             self.integrator.step_beyond(self.dynamics, t, z, aim.end, self.tolerance)
         } else {
             self.integrator.step(self.dynamics, t, z, aim.end, self.tolerance)
-        };
-        match step {
-            Ok(step) => Ok(Some(step)),
-            Err(_) if aim.is_beyond => {
-                // What is beyond the span is of no concern yet.
-                self.stay_within();
-                self.dynamics.locked = false;
-                Ok(None)
-            }
-            Err(_) if take(&mut self.dynamics.locked) => Err(Stopped::Locked),
-            Err(error) => Err(Stopped::Integration(error)),
         }
     }
 
-    /// The step up to the earliest event in it; none if the step is to be made again, to an earlier end: it is too
-    /// coarse for its events, or goes too far beyond a knot.
+    /// No step can be made: an error, unless the step was to go beyond the span, in vain.
     #[inline(always)]
-    fn earliest_event(&mut self, step: &Step<N>) -> Option<ToEvent<N>> {
-        let mut dense = None;
+    fn give_up(&mut self, error: IntegrationError, aim: Aim) -> Result<(), Stopped> {
+        let is_locked = take(&mut self.dynamics.locked);
+        match aim.is_beyond {
+            // What is beyond the span is of no concern yet.
+            true => self.stay_within(),
+            false if is_locked => return Err(Stopped::Locked),
+            false => return Err(Stopped::Integration(error)),
+        }
+        Ok(())
+    }
+
+    /// The earliest event in a step, if there is one; `dense` becomes the interpolant if that was needed. None if the
+    /// step is to be made again, to an earlier end: it is too coarse for its events, or goes too far beyond a knot.
+    #[inline(always)]
+    fn find_event(&mut self, step: &Step<N>, dense: &mut Option<Dense<N>>) -> Option<Option<Found<N>>> {
         let around = (self.ends, &*self.contact);
         let laws = (self.progress.held, self.tolerance);
-        let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
+        let found = earliest_event(self.dynamics, self.integrator, around, step, laws, dense);
         if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
             self.progress.limit = limit;
             self.progress.is_refining = true;
@@ -237,46 +243,46 @@ where
             self.integrator.branch_off();
             return None;
         }
-        let shorter = found.as_ref().and_then(|found| self.locate(step, found, dense.as_ref()));
-        let (h, state) = match (&found, &shorter) {
-            (_, Some(shorter)) => (shorter.h, shorter.end),
-            (Some(found), None) => (found.part * step.h, found.state),
-            (None, None) => (step.h, step.end),
-        };
-        Some(ToEvent { h, state, found, dense, shorter })
+        Some(found)
     }
 
     /// Keep a step that extends beyond the span, and return the state at the end of the span; none if its interpolant
     /// is not exact, so that a step is to be made to the end of the span.
     #[inline(always)]
-    fn keep_ahead(&mut self, step: &Step<N>, part: ToEvent<N>, span: f64) -> Option<[f64; N]> {
-        let ToEvent { h, state, found, dense, shorter } = part;
-        let kept = shorter.as_ref().unwrap_or(step);
-        let dense = dense.filter(|_| shorter.is_none());
-        let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, kept));
+    fn keep_ahead(
+        &mut self,
+        (step, dense): (&Step<N>, Option<Dense<N>>),
+        end: (f64, [f64; N]),
+        found: Option<Found<N>>,
+        span: f64,
+    ) -> Option<[f64; N]> {
+        let dense = dense.unwrap_or_else(|| self.integrator.dense(self.dynamics, step));
         let after = span - step.t;
-        if !(self.is_exact(kept, &dense) && self.dynamics.admits(&dense.at(after / kept.h))) {
+        if !(self.is_exact(step, &dense) && self.dynamics.admits(&dense.at(after / step.h))) {
             self.stay_within();
             self.integrator.branch_off();
             return None;
         }
         let event = found.map(|found| found.event).filter(|event| *event != Event::Undefined);
-        Some(self.lookahead.keep(StepAhead::new(dense, kept.h, (h, state), event), after))
+        Some(self.lookahead.keep(StepAhead::new(dense, step.h, end, event), after))
     }
 
-    /// Go to the end of a step, or of its part up to an event, whose transition follows.
+    /// After steps that were too coarse, the next ones grow from the present step of `h` [s] as long as an event is
+    /// near.
     #[inline(always)]
-    fn transition(&mut self, part: &ToEvent<N>, z: &mut [f64; N]) -> Result<(), Stopped> {
-        *z = part.state;
-        self.progress.t += part.h;
+    fn refine(&mut self, is_near: bool, h: f64) {
         if self.progress.is_refining {
-            // Until no event is near.
-            self.progress.is_refining = part.dense.is_some();
-            self.progress.limit = if part.dense.is_some() { self.progress.t + GROWTH * part.h } else { 0.0 };
+            self.progress.is_refining = is_near;
+            self.progress.limit = if is_near { self.progress.t + GROWTH * h } else { 0.0 };
         }
+    }
+
+    /// The transition at the end of a step or of its part up to an event, at the state z.
+    #[inline(always)]
+    fn transition(&mut self, found: Option<&Found<N>>, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.progress.held = None;
         self.dynamics.set_state(z);
-        match &part.found {
+        match found {
             Some(found) => self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z),
             None => Ok(()),
         }

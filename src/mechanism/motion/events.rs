@@ -16,7 +16,6 @@
 //! undoes it soon. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step, System};
-use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::contact::{Contact, Ends, Place};
 use crate::mechanism::reduced::{AT_KNOT, StateLoads};
@@ -125,36 +124,51 @@ struct Along<'s, 'e, const N: usize> {
 }
 
 /// The guards of a motion, in the order in which events count that come at the same time: the first one does.
-#[inline(always)]
-fn guards<'a, const N: usize>(
-    dynamics: &EquationOfMotion<'_>,
-    ends: &'a Ends<'a>,
-    step: &Step<N>,
-) -> impl Iterator<Item = Event> + Clone + use<'a, N> {
-    let state_loads = dynamics.deciding::<N>();
-    let count = |of: fn(&StateLoads) -> usize| state_loads.map_or(0, of);
-    let reversals = (0..count(|own| usize::from(own.reverses))).map(|_| Event::Reversal);
-    let regimes = (0..count(|own| own.friction_joints.len())).map(Event::Regime);
-    let switches = (0..count(StateLoads::switches)).map(Event::Switch);
-    let borders = (0..dynamics.borders::<N>()).map(Event::Border);
-    let knots = knot_ahead(dynamics, step).map(Event::Knot).into_iter();
-    let levels = (0..dynamics.levels::<N>()).map(Event::Level);
-    let rigid = [0, 1].map(Place::rigid).into_iter().map(Event::Stop);
-    let bumpers = (0..ends.bumpers()).flat_map(|bumper| {
-        let [low, high] = [0, 1].map(|side| Event::Stop(Place::of_bumper(side, bumper)));
-        [low, high, Event::Bumper(bumper)]
-    });
-    reversals.chain(regimes).chain(switches).chain(borders).chain(knots).chain(levels).chain(rigid).chain(bumpers)
+struct Guards {
+    /// Index after the last guard of each kind: reversal, regimes, switches, borders, knot, levels, rigid stops.
+    ends: [usize; 7],
+    knot: f64,
+    bumpers: usize,
 }
 
-/// Part of a step by which the event of a guard must come before another event to count.
-fn margin(guard: Event, other: Event, touching: BumperSet) -> f64 {
-    match (guard, other) {
-        (Event::Regime(_), Event::Reversal) => BEFORE_REVERSAL,
-        (Event::Bumper(bumper), Event::Stop(place)) if place.bumper == Some(bumper) && touching.contains(bumper) => {
-            BEFORE_LOCK
+impl Guards {
+    #[inline(always)]
+    fn new<const N: usize>(dynamics: &EquationOfMotion<'_>, ends: &Ends, step: &Step<N>) -> Self {
+        let state_loads = dynamics.deciding::<N>();
+        let knot = knot_ahead(dynamics, step);
+        let reversals = state_loads.map_or(0, |own| usize::from(own.reverses));
+        let regimes = reversals + state_loads.map_or(0, |own| own.friction_joints.len());
+        let switches = regimes + state_loads.map_or(0, StateLoads::switches);
+        let borders = switches + dynamics.borders::<N>();
+        let knots = borders + usize::from(knot.is_some());
+        let levels = knots + dynamics.levels::<N>();
+        let ends_of_kinds = [reversals, regimes, switches, borders, knots, levels, levels + 2];
+        Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers() }
+    }
+
+    /// Their indices.
+    #[inline(always)]
+    fn indices(&self) -> Range<usize> {
+        0..self.ends[6] + 3 * self.bumpers
+    }
+
+    /// A guard by its index: of each bumper its place at the low and at the high side, then its push.
+    #[inline(always)]
+    fn get(&self, index: usize) -> Event {
+        let [reversals, regimes, switches, borders, knots, levels, rigid] = self.ends;
+        match index {
+            _ if index < reversals => Event::Reversal,
+            _ if index < regimes => Event::Regime(index - reversals),
+            _ if index < switches => Event::Switch(index - regimes),
+            _ if index < borders => Event::Border(index - switches),
+            _ if index < knots => Event::Knot(self.knot),
+            _ if index < levels => Event::Level(index - knots),
+            _ if index < rigid => Event::Stop(Place::rigid(index - levels)),
+            _ => match ((index - rigid) / 3, (index - rigid) % 3) {
+                (bumper, 2) => Event::Bumper(bumper),
+                (bumper, side) => Event::Stop(Place::of_bumper(side, bumper)),
+            },
         }
-        _ => 0.0,
     }
 }
 
@@ -171,12 +185,13 @@ pub fn earliest_event<'e, const N: usize>(
 where
     EquationOfMotion<'e>: System<N>,
 {
-    let guards = guards(dynamics, around.0, step);
+    let guards = Guards::new(dynamics, around.0, step);
     let mut along = Along::new(dynamics, integrator, around, step, tolerance);
     // All guards are asked before the interpolant, whose evaluations add samples of the switching quantities. The last
     // mark is that of all further guards.
     let (mark, mut marks) = (|index: usize| 1_u128 << index.min(127), 0);
-    for (index, guard) in guards.clone().enumerate() {
+    for index in guards.indices() {
+        let guard = guards.get(index);
         if held != Some(guard) && along.may_come(guard) {
             marks |= mark(index);
         }
@@ -189,14 +204,17 @@ where
     if !dense.at(0.5).iter().all(|y| y.is_finite()) {
         return Some(undefined(dense));
     }
-    let mut earliest = None;
-    for (index, guard) in guards.enumerate() {
+    let mut earliest: Option<(f64, Event)> = None;
+    for index in guards.indices() {
+        let guard = guards.get(index);
         if marks & mark(index) == 0 || held == Some(guard) {
             continue;
         }
-        let touching = around.1.touching();
-        let is_earlier =
-            |part: f64| earliest.is_none_or(|(other, event)| part < other - margin(guard, event, touching));
+        let is_earlier = |part: f64| match (guard, earliest) {
+            (Event::Regime(_), Some((reversal, Event::Reversal))) => part < reversal - BEFORE_REVERSAL,
+            (_, Some((other, _))) => part < other,
+            (_, None) => true,
+        };
         if let Some(part) = along.passage(guard, dense).filter(|part| is_earlier(*part)) {
             earliest = Some((part, guard));
         }
@@ -261,8 +279,14 @@ where
             Event::Stop(place) => self.near.passage((ends, contact), place, dense),
             Event::Bumper(bumper) => {
                 let touches = contact.touching().contains(bumper);
-                let may_push = touches || self.near.is_behind(ends, bumper);
-                if may_push { passage_of_bumper(dynamics, bumper, touches, dense) } else { None }
+                if !(touches || self.near.is_behind(ends, bumper)) {
+                    return None;
+                }
+                let part = passage_of_bumper(dynamics, bumper, touches, dense)?;
+                let caught = |side: usize| self.near.caught(ends, Place::of_bumper(side, bumper), dense);
+                let back = if touches { caught(1).or_else(|| caught(0)) } else { None };
+                // An undamped bumper lets go at the very place where the lock catches.
+                back.is_none_or(|back| part < back - BEFORE_LOCK).then_some(part)
             }
             Event::Undefined => None,
         }

@@ -51,20 +51,26 @@ impl Near {
         })
     }
 
-    /// Part of a step after which a mechanism meets a stop from within, or comes back from beyond its place to a lock
-    /// that is engaged there. A bumper is met at its place, where a lock may catch the mechanism, unless it touches.
+    /// Part of a step after which a mechanism that comes back from beyond a place is there, if a lock is engaged there.
+    pub fn caught<const N: usize>(&self, ends: &Ends, place: Place, dense: &Dense<N>) -> Option<f64> {
+        let position = ends.position(place)?;
+        let comes_back = ends.is_locked(place) && self.beyond(position, place.side) > 0.0;
+        if comes_back { dense.first_passage(0, position, towards(-place.outward()), false) } else { None }
+    }
+
+    /// Part of a step after which a mechanism meets a stop from within, or a lock at its place catches it. A bumper is
+    /// met at its place, where a lock may catch the mechanism, unless it touches.
     pub fn passage<const N: usize>(
         &self,
         (ends, contact): (&Ends, &Contact),
         place: Place,
         dense: &Dense<N>,
     ) -> Option<f64> {
-        let (position, outward) = (ends.position(place)?, place.outward());
-        let beyond = self.beyond(position, place.side);
+        let position = ends.position(place)?;
+        let leaving = self.beyond(position, place.side) >= 0.0;
         let touches = place.bumper.is_some_and(|bumper| contact.touching().contains(bumper));
-        let met = if touches { None } else { dense.first_passage(0, position, towards(outward), beyond >= 0.0) };
-        let comes_back = ends.is_locked(place) && beyond > 0.0;
-        let caught = if comes_back { dense.first_passage(0, position, towards(-outward), false) } else { None };
-        [met, caught].into_iter().flatten().reduce(f64::min)
+        let meets = || dense.first_passage(0, position, towards(place.outward()), leaving);
+        let met = if touches { None } else { meets() };
+        [met, self.caught(ends, place, dense)].into_iter().flatten().reduce(f64::min)
     }
 }
