@@ -126,7 +126,7 @@ impl Source {
                 shared::completed(&self.definition, text)
             }
             Err(error) if error.as_bytes().starts_with(ZIP) => bail!("{path}: {}", of_archive(&self.definition)),
-            Err(_) => bail!("{path}: is not UTF-8 text; save the file as UTF-8"),
+            Err(_) => bail!("{path}: the file is not UTF-8 text; save the file as UTF-8"),
         }
     }
 
@@ -141,7 +141,8 @@ impl Source {
             Ok(metadata) if !metadata.is_file() => Err(refused(&path, &metadata)),
             Ok(_) => {
                 let text = String::from_utf8(files::read(&path, LARGEST_README)?).ok();
-                text.map(Some).with_context(|| format!("{}: is not UTF-8 text; save the file as UTF-8", path.display()))
+                text.map(Some).with_context(|| format!("{}: the file is not UTF-8 text; save the file as \
+                    UTF-8", path.display()))
             }
         }
     }

@@ -212,8 +212,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Overflow { name } => write!(
                 f,
-                "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check \
-                 their values"
+                "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check the \
+                    values of the inputs and parameters"
             ),
             Self::NotInitialised => {
                 f.write_str("doStep was called before the initialisation: initialise the instance first")

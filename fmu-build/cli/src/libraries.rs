@@ -22,15 +22,15 @@ pub struct Package {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option can be given several times
+    /// option --binary can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
     /// Convention of the variable names in modelDescription.xml. `structured`: dots divide the names into levels, for
-    /// simulation tools that show a tree. `flat`: dots have no meaning. The names of the variables do not depend on the
-    /// convention
+    /// simulation tools that show a tree. `flat`: dots in the names have no meaning. The names of the variables do not
+    /// depend on the convention
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine]
@@ -44,18 +44,18 @@ pub struct Package {
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
     /// Oldest version of glibc (the C library of Linux) with which the FMU must run, 2.17 or later. The first use of
-    /// this option installs the linker zig from PyPI
+    /// --glibc installs the linker zig from PyPI
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs. The
-    /// option can be given several times
+    /// option --static can be given several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
     /// Do not pack documentation/animation.html, the animation of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Do not pack the tables of the mechanism. The FMU is smaller, but each instance of the FMU must compute the
-    /// tables
+    /// Do not pack the precomputed tables of the mechanism. With --no-tables, the FMU is smaller, but each instance of
+    /// the FMU must compute the tables
     #[arg(long)]
     pub no_tables: bool,
     /// Do not pack the reference results of the default experiment
@@ -128,8 +128,8 @@ impl Naming {
 #[derive(Args, Default)]
 pub struct Dist {
     /// Platforms for which the installed program can pack FMUs. The program itself runs on the platform of this
-    /// machine. With this option, the program is built as a small file, and the build needs some minutes more [default:
-    /// this machine]
+    /// machine. With --platforms, the build makes a small program file and needs some minutes more [default: this
+    /// machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
@@ -137,7 +137,7 @@ pub struct Dist {
     #[arg(long, requires = "platforms")]
     pub available: bool,
     /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option can be given several times
+    /// option --binary can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
@@ -160,8 +160,8 @@ pub struct Test {
     /// this machine
     #[arg(long)]
     pub platforms: bool,
-    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option can be given several
-    /// times
+    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option --binary can be given
+    /// several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
     /// Write the result of --platforms to validation/results/platforms.md

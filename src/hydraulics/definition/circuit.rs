@@ -106,7 +106,7 @@ impl Circuit {
     pub fn parameters(&mut self, visit: &mut Visit) {
         for (index, key) in Self::TABLE.keys.iter().enumerate() {
             if let Slot::Object(section) = self.slot(index) {
-                Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
+                Owner { group: None, kind: "", name: key.name, is_rotary: false }.parameters(section, &Some, visit);
             }
         }
     }

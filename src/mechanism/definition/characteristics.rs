@@ -19,7 +19,8 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
     }
     if points.len() < 2 {
-        let message = format_args!("has {} points [{abscissa}, force], but a curve needs 2 or more", points.len());
+        let message = format_args!("the curve has {} points [{abscissa}, force], but a curve needs 2 or \
+            more", points.len());
         return refused(key, message);
     }
     if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {

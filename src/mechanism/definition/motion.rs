@@ -125,7 +125,8 @@ impl Mechanism {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
             let message =
-                format_args!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
+                format_args!("this key has no effect, because actuators.{drive}.motion prescribes the speed from the \
+                    start");
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }

@@ -22,7 +22,8 @@ pub use network::allow_hydraulics;
 pub(super) use network::idle_keys;
 
 /// Why no cylinder and no screw acts in a slot.
-const CURVED: &str = "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+const CURVED: &str = "this element acts along a straight line, but a slot is curved: name a prismatic joint or two \
+    points";
 
 impl Mechanism {
     /// All faults of what was read that show without geometry.
@@ -143,7 +144,8 @@ impl Mechanism {
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
                     faults
-                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of them to another body");
+                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of these bodies to \
+                            another body");
                 }
             }
         }
@@ -194,8 +196,8 @@ impl Mechanism {
                 }
             }
             if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
-                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
-                               inertia, or give an efficiency above 0";
+                let message = "the efficiency is 0, but only a screw with an inertia can lock itself: add the key \
+                               screw with an inertia, or give an efficiency above 0";
                 faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
             }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
@@ -330,7 +332,7 @@ impl Mechanism {
                 let (first, a) = self.point(key("from"), from)?;
                 let (second, b) = self.point(key("to"), to)?;
                 if first != second || a == b {
-                    return refused(key("to"), "must be another point on the same body as `from`");
+                    return refused(key("to"), "`to` must be another point on the same body as `from`");
                 }
                 if s.surface_angle.is_some() {
                     return refused(
@@ -412,7 +414,7 @@ impl Mechanism {
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
                 JointKind::Prismatic | JointKind::Slot => Ok(()),
                 JointKind::Revolute => {
-                    let message = "must be a prismatic joint; for a revolute joint give body and angle";
+                    let message = "the joint must be prismatic; for a revolute joint give body and angle";
                     refused("start.joint", message)
                 }
             },

@@ -258,7 +258,8 @@ impl Model<'_> {
         let name = node.get("name").unwrap_or_default();
         let frame = self.pose_of(name, 0)?;
         let axis =
-            node.child("axis").with_context(|| format!("{}: the element <axis> is missing: add it", node.at()))?;
+            node.child("axis").with_context(|| format!("{}: the element <axis> is missing: add this \
+                element", node.at()))?;
         let direction = axis.inner("xyz")?.unwrap_or([0.0, 0.0, 1.0]);
         let direction = unit(direction).with_context(|| {
             format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())

@@ -72,7 +72,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder
         return Ok(mechanism.to_path_buf());
     }
     eprintln!(
-        "{}: is not an FMU for FMI 2.0 from this version of the program; a new FMU is packed for the workers",
+        "{}: the file is not an FMU for FMI 2.0 from this version of the program; a new FMU is packed for the workers",
         mechanism.display()
     );
     let definition = given.definition()?;

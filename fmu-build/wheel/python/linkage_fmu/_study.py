@@ -68,7 +68,7 @@ def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
         try:
             stated = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError(f"study = {str(path)!r}: cannot be read: {error}") from None
+            raise InputError(f"study = {str(path)!r}: the file cannot be read: {error}") from None
         if not isinstance(stated, dict):
             raise InputError(f"study = {str(path)!r}: the file must contain an object {{ }}")
     if mechanism is not None:
