@@ -184,10 +184,9 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
                 needs(&format!("{shown}/{path}"), &content, found);
             }
-            Ok(None) => {
-                found.errors.push(format!("{shown}: the FMU contains no {path}, which simulation tools on {platform} \
-                    load"))
-            }
+            Ok(None) => found
+                .errors
+                .push(format!("{shown}: the FMU contains no {path}, which simulation tools on {platform} load")),
             // The check of the archive has reported the fault.
             Err(_) => {}
         }

@@ -247,7 +247,10 @@ fn all_faults_are_named_with_place_and_remedy() {
         ),
         (json!({ "name": "System" }), &["the key `fmus` is missing"]),
         (json!({ "name": "My System", "fmus": {}, "fmu": {} }), &["there is no key `fmu` here; did you mean `fmus`?"]),
-        (json!({ "name": "My System", "fmus": {} }), &["name = \"My System\": must be a name", "fmus: the object is empty"]),
+        (
+            json!({ "name": "My System", "fmus": {} }),
+            &["name = \"My System\": must be a name", "fmus: the object is empty"],
+        ),
         (json!({ "name": "A", "stop_time": 0, "fmus": { "a.b": gear } }), &["stop_time = 0", "fmus.a.b = \"a.b\""]),
         (
             json!({ "name": "A", "fmus": { "a": "nowhere" } }),

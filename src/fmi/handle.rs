@@ -180,8 +180,9 @@ fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
             instance.clock.time,
             function.legal_phases()
         ),
-        phase => format!("this call is not allowed in the phase '{}'; allowed in: \
-            {}", phase.name(), function.legal_phases()),
+        phase => {
+            format!("this call is not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases())
+        }
     };
     let verdict = if instance.phase == Phase::Fatal { Verdict::Fatal } else { Verdict::Error };
     report(&instance.logger, function.name, &Refusal { verdict, message })

@@ -22,8 +22,10 @@ pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
     (c"logStatusWarning", "Warnings from calls that succeeded, and messages about outputs that have no value"),
     (c"logStatusDiscard", "Messages about requests that the FMU does not support, and about steps that ended early"),
     (c"logStatusError", "Messages about calls that returned an error, with the reason"),
-    (c"logStatusFatal", "Messages about faults inside the FMU, after which the simulation tool can only free the \
-        instance"),
+    (
+        c"logStatusFatal",
+        "Messages about faults inside the FMU, after which the simulation tool can only free the instance",
+    ),
     (c"logDebug", "Messages about changes between static and kinetic friction in each joint"),
     (c"logAll", "All messages"),
 ];

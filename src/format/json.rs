@@ -199,8 +199,7 @@ impl Parser<'_> {
             let span = start..self.at;
             self.skip_blanks();
             if !self.accept(b':') {
-                return Err(self.fault("a colon is missing before this place: add a \
-                    colon").inside(format_args!(".{key}")));
+                return Err(self.fault("a colon is missing before this place: add :").inside(format_args!(".{key}")));
             }
             let value = self.value().map_err(|stop| stop.inside(format_args!(".{key}")))?;
             members.push(Member { key, span, value });

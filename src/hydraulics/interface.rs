@@ -32,7 +32,7 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when extending, needed only for time derivatives of outputs; the value \
+        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; the value \
             0 means that the input is not connected: the FMU then calculates the acceleration from force, load and \
             reduced mass",
         Unit::MetrePerSecondSquared,
@@ -69,14 +69,14 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ),
     (
         "actuator.lower_limit",
-        "Smallest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
-         prevents retraction",
+        "Smallest actuator length that the stops of the mechanism allow; while a stop or lock prevents retraction, the \
+            limit is the present length",
         Unit::Metre,
     ),
     (
         "actuator.upper_limit",
-        "Largest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
-         prevents extension; the value 0 means that the limit is not known",
+        "Largest actuator length that the stops of the mechanism allow; while a stop or lock prevents extension, the \
+            limit is the present length; the value 0 means that the limit is not known",
         Unit::Metre,
     ),
 ];
@@ -235,16 +235,14 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "supply.flow",
-        "Oil flow out of the hydraulic \
-        supply",
+        "Oil flow out of the hydraulic supply",
         Unit::CubicMetrePerSecond,
         Output::SupplyFlow,
         &[Length, Supply],
     ),
     (
         "tank.flow",
-        "Oil flow from the valve and the chambers into the \
-        tank",
+        "Oil flow from the valve and the chambers into the tank",
         Unit::CubicMetrePerSecond,
         Output::TankFlow,
         &[Length, Tank],
@@ -289,16 +287,14 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.supplied",
-        "Energy that the supply has delivered since the start of the \
-        run",
+        "Energy that the supply has delivered since the start of the run",
         Unit::Joule,
         Output::Energy(0),
         &[],
     ),
     (
         "energy.returned",
-        "Energy of the oil that has flowed into the tank since the start of the \
-        run",
+        "Energy of the oil that has flowed into the tank since the start of the run",
         Unit::Joule,
         Output::Energy(1),
         &[],

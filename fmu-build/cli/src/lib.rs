@@ -128,8 +128,8 @@ pub struct View {
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
-    /// Open an editor for the definition next to the moving mechanism. The page shows the motion after each change,
-    /// until you stop the command with Ctrl-C
+    /// Open an editor for the definition next to the moving mechanism. The page of --live shows the motion after each
+    /// change, until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Network port of the page of --live on 127.0.0.1 [default: a free port]
@@ -145,7 +145,7 @@ pub struct View {
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU for comparison: dashed outlines in the drawing, dashed lines in the plots
+    /// Second definition or FMU for comparison, with dashed outlines in the drawing and dashed lines in the plots
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
     /// Start values of the second run, which replace values of --start-values. Without --compare, the second run uses
@@ -340,7 +340,7 @@ pub struct Sweep {
     /// Continue a study that was stopped before its last run
     #[arg(long)]
     pub resume: bool,
-    /// Number of threads [default: one for each processor core]
+    /// Number of threads that simulate the runs [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Number of Dask worker processes on this machine, which simulate the runs with the FMU
@@ -367,7 +367,7 @@ pub struct Optimise {
     /// Draw the evaluations of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
-    /// Number of threads [default: one for each processor core]
+    /// Number of threads that simulate the runs [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }

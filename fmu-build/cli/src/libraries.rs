@@ -73,19 +73,20 @@ impl Package {
 /// Platforms that libraries are built for, by the names of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Platform {
-    /// Linux on Intel and AMD; the name in FMI 2.0 is linux64
+    /// Linux on Intel and AMD; the name of this platform in FMI 2.0 is linux64
     #[value(name = "x86_64-linux", alias = "linux64")]
     X86Linux,
-    /// Windows on Intel and AMD; the name in FMI 2.0 is win64
+    /// Windows on Intel and AMD; the name of this platform in FMI 2.0 is win64
     #[value(name = "x86_64-windows", alias = "win64")]
     X86Windows,
-    /// Linux on ARM with 64 bits; the name in FMI 2.0 is aarch64-linux
+    /// Linux on ARM with 64 bits; the name of this platform in FMI 2.0 is aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
-    /// macOS on Intel; the name in FMI 2.0 is darwin64
+    /// macOS on Intel; the name of this platform in FMI 2.0 is darwin64
     #[value(name = "x86_64-darwin")]
     X86Mac,
-    /// macOS on ARM; the name in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains both libraries
+    /// macOS on ARM; the name of this platform in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains
+    /// both libraries
     #[value(name = "aarch64-darwin")]
     ArmMac,
 }
@@ -141,7 +142,7 @@ pub struct Dist {
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
-    /// 2.17 or later; the linker is zig [default: the glibc of this machine]
+    /// 2.17 or later; with --glibc, the build links with zig [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel and the source distribution [default: target/dist in the repository]

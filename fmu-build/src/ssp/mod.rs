@@ -158,8 +158,10 @@ fn check(definition: &Definition, faults: &mut Faults) {
         faults.push(DefinitionError::value("name", format_args!("\"{name}\""), NAME));
     }
     if description.contains(char::is_control) {
-        faults.push(DefinitionError::key("description", "the text contains a control character; write the text on one \
-            line"));
+        faults.push(DefinitionError::key(
+            "description",
+            "the text contains a control character; write the text on one line",
+        ));
     }
     if let Some(time) = stop_time {
         faults.keep(Range::Positive.check("stop_time", *time));

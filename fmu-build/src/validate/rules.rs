@@ -196,8 +196,9 @@ impl Rules {
                 |start: &f64| least.is_some_and(|least| *start < least) || most.is_some_and(|most| *start > most);
             let starts = v.get("start").split_whitespace().filter_map(|text| text.parse().ok());
             broken.extend(
-                starts.filter(outside).map(|start: f64| format!("the start value {start} is not between the attributes \
-                    min and max")),
+                starts
+                    .filter(outside)
+                    .map(|start: f64| format!("the start value {start} is not between the attributes min and max")),
             );
         }
         let [unit, display, declared] = ["unit", "displayUnit", "declaredType"].map(|name| v.get(name));
@@ -311,8 +312,8 @@ impl Rules {
                     .iter()
                     .any(|d| self.named(self.variables[*d].get("derivative")).is_some_and(|state| state == index));
                 if !is_state {
-                    broken.push(format!("{name}: the variable has the attribute reinit, but is not a continuous \
-                        state"));
+                    broken
+                        .push(format!("{name}: the variable has the attribute reinit, but is not a continuous state"));
                 }
             }
         }

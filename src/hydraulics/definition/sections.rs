@@ -56,24 +56,24 @@ keys! {
         oil_volume: OilVolume;
     }
 
-    /// Chamber A, on the piston side.
+    /// Chamber A of the cylinder, on the piston side.
     pub struct ChamberA: Copy {
         /// Oil volume of chamber A when the cylinder is fully retracted, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber A when the \
             cylinder is fully retracted, including the oil in the lines");
-        /// Pressure in chamber A at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
-        /// absolute pressure) must be above 0.
+        /// Pressure in chamber A at the start [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 6e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber A at the \
             start, relative to the ambient pressure");
     }
 
-    /// Chamber B, on the rod side.
+    /// Chamber B of the cylinder, on the rod side.
     pub struct ChamberB: Copy {
         /// Oil volume of chamber B when the cylinder is fully extended, including the oil in the lines [m3], > 0.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Oil volume of chamber B when the \
             cylinder is fully extended, including the oil in the lines");
-        /// Pressure in chamber B at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the
-        /// absolute pressure) must be above 0.
+        /// Pressure in chamber B at the start [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 = 11.15e6 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in chamber B at the \
             start, relative to the ambient pressure");
     }
@@ -195,7 +195,7 @@ keys! {
             the leakage from chamber B to the surroundings");
     }
 
-    /// Friction of the seals.
+    /// Friction of the piston seals.
     pub struct Seal: Copy {
         /// Kinetic friction force of the seals [N], >= 0.
         coulomb: f64 = 250.0 => number(Newton, NonNegative).parameter(Circuit, "Kinetic friction force of the seals");
@@ -210,7 +210,7 @@ keys! {
         /// friction are multiplied by tanh(v / `transition_speed`), so that the friction force does not jump at the
         /// piston speed v = 0.
         transition_speed: f64 = 0.005 => number(MetrePerSecond, Positive).parameter(Circuit, "Characteristic speed of \
-            the smooth reversal of the friction force of the seals of the cylinder");
+            the smooth reversal of the friction force of the seals");
         /// Viscous friction coefficient of the seals: force divided by speed [N.s/m], >= 0.
         viscous: f64 = 500.0 => number(NewtonSecondPerMetre, NonNegative).parameter(Circuit, "Viscous friction \
             coefficient of the seals");
@@ -256,8 +256,8 @@ keys! {
         /// the input `supply.pressure` is the pressure at the supply port of the valve.
         volume: f64 = 0.0 => number(CubicMetre, NonNegative).parameter(Circuit, "Gas volume of the accumulator at the \
             precharge pressure; the value 0 means no accumulator");
-        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
-        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The absolute pressure, which is the
+        /// stated pressure plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure: gas pressure \
             in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.

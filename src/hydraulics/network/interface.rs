@@ -103,8 +103,7 @@ impl Builder<'_> {
                 self.input(format!("{name}.{key}"), text.replace('@', &format!("the cylinder {name}")), unit, start);
             }
         }
-        let text = "Size of the next communication step; with the value 0, the FMU assumes the size of the last \
-            step"
+        let text = "Size of the next communication step; with the value 0, the FMU assumes the size of the last step"
             .to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
@@ -204,15 +203,12 @@ impl Builder<'_> {
         let text = format!("Stiffness of the compressed oil in the cylinder {name}, as a spring along the cylinder");
         self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
         let text = format!(
-            "Derivative of the friction force of the piston seals with respect to the speed of the \
-            cylinder {name}"
+            "Derivative of the friction force of the piston seals with respect to the speed of the cylinder {name}"
         );
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
         if layout.is_carried {
-            let text = format!(
-                "Force of an end of the cylinder {name} on the piston, positive in the direction of \
-                extension"
-            );
+            let text =
+                format!("Force of an end of the cylinder {name} on the piston, positive in the direction of extension");
             self.output(named("end_force"), text, Unit::Newton, Output::EndForce(index), &[]);
         }
         let text = format!("Position of the piston in the cylinder {name}: 0 is the fully retracted position");
@@ -236,13 +232,7 @@ impl Builder<'_> {
             let output = Output::Preview(index, ahead);
             self.output(
                 named(&format!("preview.{key}")),
-                text.replace(
-                    '@',
-                    &format!(
-                        "the cylinder \
-                {name}"
-                    ),
-                ),
+                text.replace('@', &format!("the cylinder {name}")),
                 unit,
                 output,
                 dependencies,

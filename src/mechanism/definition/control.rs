@@ -166,9 +166,9 @@ impl Mechanism {
             }
             if self.start.equilibrium && state == ControlState::Integral {
                 refuse(format!(
-                    "`start` cannot be `equilibrium` with an integral part, which is in balance only at the command: \
-                     give a start position in `start`, and the force that holds the mechanism there in start_integral \
-                     (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
+                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant only \
+                     at the command: give a start position in `start`, and the force that holds the mechanism there in \
+                     start_integral (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
                 ));
             }
         }

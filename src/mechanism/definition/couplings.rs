@@ -114,7 +114,7 @@ keys! {
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
         /// Position of the rack, or angle of the second wheel, at the angle 0 of the first wheel [m or rad]. Default:
-        /// the value that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
+        /// the phase that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
         /// Without the key `backward_efficiency`, the efficiency of the coupling is equal in both directions of the

@@ -215,9 +215,10 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is 1/2
-    /// * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is the
-    /// air velocity relative to the surface [m/s]. The projected area S of the surface is perpendicular to the air velocity u [m2].
+    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is
+    /// 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is
+    /// the air velocity relative to the surface [m/s]. The projected area S of the surface is perpendicular to the air
+    /// velocity u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();

@@ -143,9 +143,10 @@ impl Mechanism {
                 body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    faults
-                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of these bodies to \
-                            another body");
+                    faults.refuse(
+                        key,
+                        "the bodies are fixed to each other in a circle: fix one of these bodies to another body",
+                    );
                 }
             }
         }
@@ -272,8 +273,8 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format_args!(
-                    "the body {name} turns with the body to which it is fixed ({carrier}): remove this key, and guess \
-                     the angle of that body"
+                    "the body {name} is fixed to {carrier} and turns with this point: remove this key, and guess the \
+                     angle of the body that carries {name}"
                 );
                 faults.refuse(key, message);
             } else if is_body || is_joint {

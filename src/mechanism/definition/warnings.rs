@@ -253,9 +253,10 @@ impl Mechanism {
     fn warn_of_sizes(&self, all: &mut Vec<Finding>) {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {
-            let message =
-                format_args!("the acceleration is {} m/s2, but the gravity of the Earth is 9.81 \
-                    m/s2", Decimal::rounded(acceleration));
+            let message = format_args!(
+                "the acceleration is {} m/s2, but the gravity of the Earth is 9.81 m/s2",
+                Decimal::rounded(acceleration)
+            );
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,

@@ -422,8 +422,8 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
                 .to_owned(),
             false => {
                 format!(
-                    "this joint is redundant, because the joint repeats the constraints of {}; the joints of these loops \
-                     share the reactions",
+                    "this joint is redundant, because the joint repeats the constraints of {}; the joints of these \
+                     loops share the reactions",
                     names.join(", ")
                 )
             }

@@ -64,16 +64,9 @@ pub(super) fn add_reactions(b: &mut Builder) {
         }
         let body = |index: usize| s.linkage.bodies[index].name.as_str();
         let (n, is_revolute) = (j.name.as_str(), j.freedom == Freedom::Revolute);
-        let between = [
-            " that the body ",
-            body(j.first.body),
-            " exerts on the body ",
-            body(j.second.body),
-            " in the \
-            joint ",
-            n,
-        ]
-        .concat();
+        let between =
+            [" that the body ", body(j.first.body), " exerts on the body ", body(j.second.body), " in the joint ", n]
+                .concat();
         let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
         let reaction = |part| Output::Reaction { joint, part };
         add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
@@ -96,15 +89,8 @@ pub(super) fn add_reactions(b: &mut Builder) {
         if friction_joints[friction_joint].kind != FrictionKind::Joint {
             continue;
         }
-        let text = [
-            "Slip speed of the body ",
-            body(j.second.body),
-            " on the body ",
-            body(j.first.body),
-            " in the \
-            joint ",
-            n,
-        ];
+        let text =
+            ["Slip speed of the body ", body(j.second.body), " on the body ", body(j.first.body), " in the joint ", n];
         let needs = s.slip_speed(friction_joints[friction_joint].load);
         b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
     }

@@ -76,8 +76,7 @@ const OUTPUTS: &[Row] = &[
     (
         "chamber_a",
         "flow",
-        "Oil flow into chamber A of the \
-        cylinder",
+        "Oil flow into chamber A of the cylinder",
         CubicMetrePerSecond,
         Hydraulic::Flow(0),
         [true, false, true],
@@ -85,8 +84,7 @@ const OUTPUTS: &[Row] = &[
     (
         "chamber_a",
         "volume",
-        "Oil volume in chamber A of the \
-        cylinder",
+        "Oil volume in chamber A of the cylinder",
         CubicMetre,
         Hydraulic::Volume(0),
         [true, false, false],
@@ -110,8 +108,7 @@ const OUTPUTS: &[Row] = &[
     (
         "chamber_b",
         "flow",
-        "Oil flow into chamber B of the \
-        cylinder",
+        "Oil flow into chamber B of the cylinder",
         CubicMetrePerSecond,
         Hydraulic::Flow(1),
         [true, false, true],
@@ -119,8 +116,7 @@ const OUTPUTS: &[Row] = &[
     (
         "chamber_b",
         "volume",
-        "Oil volume in chamber B of the \
-        cylinder",
+        "Oil volume in chamber B of the cylinder",
         CubicMetre,
         Hydraulic::Volume(1),
         [true, false, false],
@@ -154,8 +150,7 @@ const OUTPUTS: &[Row] = &[
     (
         "supply",
         "flow",
-        "Oil flow out of the hydraulic \
-        supply",
+        "Oil flow out of the hydraulic supply",
         CubicMetrePerSecond,
         Hydraulic::SupplyFlow,
         [true, false, true],
@@ -163,8 +158,7 @@ const OUTPUTS: &[Row] = &[
     (
         "tank",
         "flow",
-        "Oil flow from the valve and the chambers into the \
-        tank",
+        "Oil flow from the valve and the chambers into the tank",
         CubicMetrePerSecond,
         Hydraulic::TankFlow,
         [true, false, true],
@@ -189,8 +183,7 @@ const OUTPUTS: &[Row] = &[
     (
         "power",
         "return",
-        "Hydraulic power of the oil flow into the \
-        tank",
+        "Hydraulic power of the oil flow into the tank",
         Watt,
         Hydraulic::Power(1),
         [true, false, true],
@@ -206,8 +199,7 @@ const OUTPUTS: &[Row] = &[
     (
         "power",
         "seal_friction",
-        "Power lost in the friction of the piston \
-        seals",
+        "Power lost in the friction of the piston seals",
         Watt,
         Hydraulic::Power(3),
         [true, true, false],
@@ -239,8 +231,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "returned",
-        "Energy of the oil that has flowed into the tank since the start of the \
-        run",
+        "Energy of the oil that has flowed into the tank since the start of the run",
         Joule,
         Hydraulic::Energy(1),
         [false; 3],

@@ -30,7 +30,10 @@ fn wrong_studies_are_rejected_in_one_line() {
             "crank.angle is an output; a factor must be a parameter or an input; similar parameters and inputs are",
         ),
         (with("factors", json!({ "crank.mass": {} })), "give exactly one of values, range, uniform and normal"),
-        (with("factors", json!({ "crank.mass": { "range": [1, 2] } })), "factors.crank.mass.steps: this key is missing"),
+        (
+            with("factors", json!({ "crank.mass": { "range": [1, 2] } })),
+            "factors.crank.mass.steps: this key is missing",
+        ),
         (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: the list is empty"),
         (
             with("factors", json!({ "crank.mass": { "values": [true] } })),

@@ -20,8 +20,8 @@ keys! {
         /// extended.
         dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of the chamber \
             @, including the oil in the lines");
-        /// Pressure at the start of the run [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
-        /// pressure) must be above 0.
+        /// Pressure at the start of the run [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in the chamber @ at the start, \
             relative to the ambient pressure");
         /// Volume of the hose that is connected to the chamber [m3], >= 0. The hose volume is a part of the oil volume
@@ -91,9 +91,9 @@ keys! {
         /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
         /// `dead_volume`.
         oil_volume: OilVolume;
-        /// Chamber A, on the piston side.
+        /// Chamber A of the cylinder, on the piston side.
         chamber_a: Chamber;
-        /// Chamber B, on the rod side.
+        /// Chamber B of the cylinder, on the rod side.
         chamber_b: Chamber;
         /// Laminar leakage of the chambers. Without the key `leakage`, the cylinder has no leakage.
         leakage: Option<Leakage>;

@@ -14,8 +14,8 @@ use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecon
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The sum of this
-        /// gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The absolute
+        /// pressure, which is the stated pressure plus `fluid.ambient_pressure`, must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -23,8 +23,8 @@ keys! {
     pub struct Line: Copy {
         /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start of the run [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
-        /// pressure) must be above 0.
+        /// Pressure at the start of the run [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hoses at the node [m3], >= 0. The hose volume is a part of the oil volume in the key `volume`.
@@ -66,8 +66,8 @@ keys! {
         /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
-        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The absolute pressure, which is the
+        /// stated pressure plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.

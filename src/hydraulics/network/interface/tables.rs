@@ -29,8 +29,7 @@ pub const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ),
     (
         "reduced_mass_derivative",
-        "Derivative of the input reduced_mass with respect to the length of \
-        @",
+        "Derivative of the input reduced_mass with respect to the length of @",
         Unit::KilogramPerMetre,
     ),
     ("holding_force", "Force of @ that would hold the moved mechanism at rest, positive if @ pushes", Unit::Newton),
@@ -42,14 +41,14 @@ pub const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
     ),
     (
         "lower_limit",
-        "Smallest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
-         retraction",
+        "Smallest length of @ that the stops of the mechanism allow; while a stop or lock prevents retraction, the \
+            limit is the present length",
         Unit::Metre,
     ),
     (
         "upper_limit",
-        "Largest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
-         extension; if both limits are 0, the limits are not known",
+        "Largest length of @ that the stops of the mechanism allow; while a stop or lock prevents extension, the limit \
+            is the present length; if both limits are 0, the limits are not known",
         Unit::Metre,
     ),
 ];
@@ -122,8 +121,7 @@ pub const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.pumps",
-        "Work of the pumps on the oil since the start of the \
-        run",
+        "Work of the pumps on the oil since the start of the run",
         Unit::Joule,
         Output::Total(Total::PumpWork),
     ),

@@ -119,10 +119,9 @@ impl Laws {
         match self.event(index) {
             Event::Spool(valve, which) => {
                 let places = [
-                    "the metering edge at its overlap",
-                    "the metering edge at minus its overlap",
-                    "the end \
-                    of its travel, 1",
+                    "the metering edge at the positive overlap",
+                    "the metering edge at the negative overlap",
+                    "the end of its travel, 1",
                     "the end of its travel, -1",
                 ];
                 format!("the spool of {} is at {}", system.valves.names()[valve], places[which])

@@ -254,8 +254,8 @@ impl Mjcf {
 
     fn inertial(&self, node: &Element, frame: Frame) -> Result<Part> {
         let (center, rotation) = self.frame(node, frame)?;
-        let mass = node.one("mass")?.with_context(|| format!("{}: the attribute mass is missing: add the \
-            mass", node.at()))?;
+        let mass =
+            node.one("mass")?.with_context(|| format!("{}: the attribute mass is missing: add the mass", node.at()))?;
         let own = match (node.fixed::<3>("diaginertia")?, node.fixed("fullinertia")?) {
             (_, Some(full)) => symmetric(full),
             (Some([x, y, z]), None) => symmetric([x, y, z, 0.0, 0.0, 0.0]),
