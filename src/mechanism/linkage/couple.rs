@@ -270,7 +270,7 @@ impl Linkage {
         let Some((carrier, second, sign, center)) = hinged else {
             let bodies = ends.map(|(body, ..)| self.bodies[body.body].name.as_str()).join(" nor on ");
             let message = format!(
-                "{} has no revolute joint on {bodies}, the bodies of {}: add a revolute joint on one of them",
+                "{} has no revolute joint on {bodies}, the bodies of {}: add a revolute joint on one of these bodies",
                 defined.first, slide.name
             );
             return named.refused("first", message);

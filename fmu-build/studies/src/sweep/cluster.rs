@@ -164,7 +164,7 @@ pub fn run(
     let _ = fs::remove_file(&plan_file);
     result?;
     if left == 0 && !status.success() {
-        eprintln!("warning: all parts are complete, but {PROGRAM} ended with {status}");
+        eprintln!("warning: all parts of the study are complete, but {PROGRAM} ended with {status}");
     }
     Ok(())
 }

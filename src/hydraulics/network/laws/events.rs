@@ -144,9 +144,9 @@ impl Laws {
 pub fn empty_words(name: &str, charge: [f64; 2]) -> String {
     let [pressure, precharge] = charge.map(Decimal::rounded);
     format!(
-        "the accumulator {name} contains no oil: its pressure of {pressure} Pa is below the precharge pressure of \
-         {precharge} Pa, and below the precharge pressure the equations of the accumulator are not valid; use a larger \
-         accumulator or a larger pump"
+        "the accumulator {name} contains no oil: the pressure of {pressure} Pa at the accumulator is below the \
+         precharge pressure of {precharge} Pa, and below the precharge pressure the equations of the accumulator are \
+         not valid; use a larger accumulator or a larger pump"
     )
 }
 
