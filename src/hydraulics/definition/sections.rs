@@ -243,8 +243,8 @@ keys! {
         /// reciprocal of the pressure ratio: the area of the pilot piston divided by the area of the valve seat. The
         /// value 0 means: no lock valve.
         pilot_ratio: f64 = 0.0 => number(One, NonNegative).parameter(Circuit, "Pilot pressure ratio of the lock valve: \
-            the lock valve opens when the pressure in chamber B exceeds this ratio times the pressure in chamber A; \
-            the value 0 means no lock valve");
+            the lock valve opens when the pressure in chamber B exceeds the pilot pressure ratio times the pressure in \
+            chamber A; the value 0 means no lock valve");
         /// Width of the pressure range in which the lock valve changes smoothly from closed to open [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range in which the lock \
             valve changes smoothly from closed to open");
