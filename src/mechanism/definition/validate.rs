@@ -273,8 +273,8 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format_args!(
-                    "the body {name} is fixed to another body (point {carrier}): remove this key, and guess the angle of \
-                     the body that carries {name}"
+                    "the body {name} is fixed to another body (point {carrier}): remove this key, and guess the angle \
+                     of the body that carries {name}"
                 );
                 faults.refuse(key, message);
             } else if is_body || is_joint {
