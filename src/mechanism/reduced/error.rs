@@ -89,7 +89,7 @@ impl fmt::Display for ReductionError {
             Self::Table { what, position } => write!(
                 f,
                 "{what} is not a smooth function of the position near {position}, because almost no mass moves there; \
-                 add a mass or an inertia to a body that moves there"
+                    add a mass or an inertia to a body that moves at this position"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
                 let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);
@@ -146,8 +146,8 @@ pub fn if_degrees(angle: f64) -> String {
     }
     let [degrees, radians] = [angle, angle.to_radians()].map(Decimal::rounded);
     format!(
-        "; if you mean {degrees} degrees, write {degrees}deg after --start-values, or {radians} rad in a file whose \
-         angles are in rad"
+        "; if you mean {degrees} degrees, write {degrees}deg after --start-values, or the number {radians} in a file \
+         whose angles are in rad"
     )
 }
 
