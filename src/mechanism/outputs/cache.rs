@@ -136,13 +136,6 @@ impl<N: Differentiable> OutputCache<N> {
         }
     }
 
-    /// The state is at the start.
-    pub fn begin(&mut self) {
-        self.computed = Computed::default();
-        self.scratch.panel_force.invalidate();
-        self.invalidate();
-    }
-
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
@@ -250,19 +243,17 @@ impl PresentLoads {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
-    /// A load has another size. Terms of the reactions are others only if the load starts or ceases to act, or if they
-    /// include the sum of many loads.
-    pub fn set(&mut self, load: usize, size: f64) {
-        let acted = std::mem::replace(&mut self.sizes[load], size) != 0.0;
-        if acted != (size != 0.0) || self.acting.len() > MOST_TERMS {
-            self.invalidate();
+    /// A load has this size; returns whether it had another one. Terms of the reactions are others only if the load
+    /// starts or ceases to act, or if they include the sum of many loads.
+    #[inline]
+    pub fn set(&mut self, load: usize, size: f64) -> bool {
+        let before = std::mem::replace(&mut self.sizes[load], size);
+        let is_other = before.to_bits() != size.to_bits();
+        if is_other && ((before != 0.0) != (size != 0.0) || self.acting.len() > MOST_TERMS) {
+            self.knows_acting = false;
+            self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
         }
-    }
-
-    /// The sizes have changed: other applied loads may act.
-    pub fn invalidate(&mut self) {
-        self.knows_acting = false;
-        self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
+        is_other
     }
 }
 

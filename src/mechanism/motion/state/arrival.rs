@@ -89,7 +89,7 @@ impl State {
             let (position, what) = (stretch.curve().describe(at.sigma, 0.0), "friction".into());
             ModelError::travel((stretch, End::Failed(&ReductionError::Table { what, position })), sigma)
         };
-        stretch.state_loads(self.air).map_err(failed).map(|_| ())
+        stretch.state_loads(self.applied.air).map_err(failed).map(|_| ())
     }
 
     /// sigma within the first revolution of a closed curve, with the others counted.
@@ -110,8 +110,8 @@ impl State {
         let shift = self.revolutions * period;
         let place = self.travel.places().find(|(_, position)| position - shift == sigma);
         self.revolutions = all;
-        // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
-        self.recount();
+        // A step ahead is counted on over whole revolutions, but sigma is not any more.
+        self.memory.recount();
         Ok(match place {
             // At a stop before, at the stop after: what is at a place is known by equal numbers.
             Some((_, position)) => position - all * period,
