@@ -22,7 +22,7 @@ use crate::mechanism::motion::coasting::{Coasting, Path};
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::hydraulic_motion::Driven;
-use crate::mechanism::motion::memory::Memory;
+use crate::mechanism::motion::memory::{Memory, Outdated};
 use crate::mechanism::motion::saved::{Applied, SavedState};
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
@@ -237,7 +237,7 @@ impl State {
         let advanced = self.advance((reduced, state_loads), (inputs, locked), (h, solver, known), &mut arrival);
         self.scratch.evaluator.end_step();
         if ahead {
-            self.memory.refresh();
+            self.memory.drop_outdated(Outdated::Law);
         }
         let error = match advanced {
             Ok(()) => match self.arrive(reduced, &arrival) {

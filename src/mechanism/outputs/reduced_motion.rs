@@ -9,6 +9,7 @@ use crate::hydraulics::network::definition::CAPACITY;
 use crate::mechanism::definition::{MOST_STATES, Mechanism, Solver};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::Outdated;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
 use crate::mechanism::motion::fast_forward::Waypoint;
@@ -157,25 +158,25 @@ impl ReducedMotion {
         let before = self.state.revolutions;
         (self.state.sigma, self.state.sigma_dot, self.state.revolutions) = (sigma, sigma_dot, revolutions);
         if revolutions != before {
-            self.state.memory.recount();
+            self.state.memory.drop_outdated(Outdated::Count);
         }
     }
 
     /// The caches become those of the present state and inputs.
-    #[inline]
+    #[inline(always)]
     pub(super) fn sync(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let present = (inputs.version(), self.state.version());
-        if self.seen != present {
-            if self.seen.0 != present.0 {
-                for (load, size) in inputs.reals[..reduced.loading().inputs.len()].iter().enumerate() {
-                    self.loads.set(load, *size);
-                }
-            }
-            self.seen = present;
-            self.cache.invalidate();
-            if self.driven.is_some() {
-                self.settle(reduced, inputs);
-            }
+        if self.seen == present {
+            return;
+        }
+        if self.seen.0 != present.0 {
+            let sizes = inputs.reals.iter().take(reduced.loading().inputs.len()).enumerate();
+            sizes.for_each(|(load, size)| _ = self.loads.set(load, *size));
+        }
+        self.seen = present;
+        self.cache.invalidate();
+        if self.driven.is_some() {
+            self.settle(reduced, inputs);
         }
     }
 

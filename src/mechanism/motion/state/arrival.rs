@@ -8,6 +8,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::fast_forward::Waypoint;
+use crate::mechanism::motion::memory::Outdated;
 use crate::mechanism::motion::saved::MOST_REVOLUTIONS;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{End, Reduced, ReductionError};
@@ -63,8 +64,9 @@ impl State {
         if passed != 0.0 || !(first..last).contains(&y[0]) {
             y[0] = self.count_revolutions(reduced, y[0], passed)?;
         }
-        [self.sigma, self.sigma_dot] = y;
-        self.reference -= lost;
+        let saved = &mut *self.saved;
+        [saved.sigma, saved.sigma_dot] = y;
+        saved.reference -= lost;
         Ok(())
     }
 
@@ -111,7 +113,7 @@ impl State {
         let place = self.travel.places().find(|(_, position)| position - shift == sigma);
         self.revolutions = all;
         // A step ahead is counted on over whole revolutions, but sigma is not any more.
-        self.memory.recount();
+        self.memory.drop_outdated(Outdated::Count);
         Ok(match place {
             // At a stop before, at the stop after: what is at a place is known by equal numbers.
             Some((_, position)) => position - all * period,

@@ -12,6 +12,7 @@ use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
+use crate::mechanism::motion::memory::Outdated;
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::motion::saved::Applied;
 use crate::mechanism::motion::travel::grips;
@@ -122,7 +123,7 @@ impl State {
             self.try_loads((reduced, state_loads), inputs, h, work)?;
         }
         if self.renew_scratch(state_loads) {
-            self.memory.restart();
+            self.memory.drop_outdated(Outdated::State);
         }
         self.memory.set_dissipation(state_loads.is_some() || ahead);
         let Self { saved, before, .. } = self;
@@ -145,7 +146,7 @@ impl State {
             }
         }
         if changed || ahead || self.is_retuned {
-            saved.memory.refresh();
+            saved.memory.drop_outdated(Outdated::Law);
             saved.prescribed.iter_mut().for_each(|prescribed| prescribed.ahead = None);
         }
         if saved.prescribed.is_some() && driven.is_none() {
@@ -190,7 +191,7 @@ impl State {
     /// After a step that failed: reverse [`Self::apply`] if it `applied` inputs. The integration starts anew.
     #[cold]
     pub(super) fn undo(&mut self, reduced: &Reduced, applied: bool) {
-        self.memory.restart();
+        self.memory.drop_outdated(Outdated::State);
         self.memory.undo_circuit();
         self.witness.forget();
         if applied {

@@ -25,6 +25,7 @@ use crate::mechanism::loads::resolved::MotionDrive;
 use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
+use crate::mechanism::motion::memory::Outdated;
 use crate::mechanism::motion::prescribed::{PrescribedState, Track};
 use crate::mechanism::motion::saved::{Applied, SavedState};
 use crate::mechanism::motion::witness::What;
@@ -205,7 +206,7 @@ impl State {
             let change = found.slope * (sigma_dot - before);
             self.witness.tell(0.0, What::Gripped { change, impulse: (sigma_dot - before) / found.slope });
         }
-        self.memory.refresh();
+        self.memory.drop_outdated(Outdated::Law);
         Ok(())
     }
 
@@ -219,7 +220,7 @@ impl State {
     pub(super) fn release_prescribed(&mut self, reduced: &Reduced, locked: EngagedLocks) {
         let Some(prescribed) = self.saved.prescribed.filter(|prescribed| prescribed.is_active) else { return };
         self.saved.prescribed = Some(PrescribedState { is_active: false, ahead: None, ..prescribed });
-        self.memory.restart();
+        self.memory.drop_outdated(Outdated::State);
         let ends = Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let resting = ends.at(self.sigma).next().filter(|_| self.sigma_dot == 0.0);
         if let Some(place) = resting {

@@ -8,6 +8,7 @@ use super::ReducedMotion;
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::Prescribed;
 use crate::mechanism::error::ModelError;
+use crate::mechanism::motion::Outdated;
 use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
@@ -61,7 +62,7 @@ impl ReducedMotion {
         self.shown(reduced, inputs);
         if let Some(shown) = self.driven.as_deref().and_then(Driven::shown) {
             self.state.copy_from(shown);
-            self.state.memory.recount();
+            self.state.memory.drop_outdated(Outdated::Count);
         }
     }
 
