@@ -166,12 +166,10 @@ impl Model {
     /// As [`Self::check_real`].
     pub fn take_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) => {
-                if self.inputs.set(i, value) {
-                    self.forget_start();
-                    if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
-                        motion.state.fill_accumulator(reduced, i, value);
-                    }
+            Some(Quantity::Input(i)) if self.inputs.set(i, value) => {
+                self.forget_start();
+                if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
+                    motion.state.fill_accumulator(reduced, i, value);
                 }
             }
             Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
