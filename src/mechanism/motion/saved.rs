@@ -15,7 +15,6 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::motion::travel::grips;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::bits::become_same;
 use std::sync::Arc;
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
@@ -73,7 +72,7 @@ impl Applied {
     /// Become the same as another one of this mechanism, without allocation.
     #[inline]
     pub fn copy_from(&mut self, other: &Self) {
-        become_same(&mut self.sizes, &other.sizes);
+        self.sizes.copy_from_slice(&other.sizes);
         (self.version, self.locked) = (other.version, other.locked);
         (self.airspeed, self.air) = (other.airspeed, other.air);
     }

@@ -278,7 +278,8 @@ impl State {
     /// integration that goes on beyond the present: what [`Advance::run`] finds without anything around it.
     #[inline(always)]
     fn read_ahead(&mut self, locked: EngagedLocks, h: f64, tolerance: f64) -> Option<([f64; 2], f64)> {
-        let SavedState { memory, contact, .. } = &mut *self.saved;
+        // The step that follows counts as the access.
+        let SavedState { memory, contact, .. } = &mut self.saved.saved;
         if contact.at_rest().is_some() || contact.arrival().is_some() {
             return None;
         }
@@ -383,8 +384,8 @@ impl State {
         if self.travel.is_empty() {
             return;
         }
-        let Self { saved, witness, .. } = self;
-        let saved = &mut **saved;
+        // The step before has counted as the access.
+        let Self { saved: Counted { saved, .. }, witness, .. } = self;
         if let Some(point) = point {
             saved.time = Elapsed::at(point);
         }

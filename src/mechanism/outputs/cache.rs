@@ -240,9 +240,18 @@ impl PresentLoads {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
+    /// The first loads have these sizes.
+    #[inline]
+    pub fn set_first(&mut self, sizes: &[f64]) {
+        for (load, size) in sizes.iter().enumerate() {
+            if self.sizes[load].to_bits() != size.to_bits() {
+                self.set(load, *size);
+            }
+        }
+    }
+
     /// A load has this size; returns whether it had another one. Terms of the reactions are others only if the load
     /// starts or ceases to act, or if they include the sum of many loads.
-    #[inline]
     pub fn set(&mut self, load: usize, size: f64) -> bool {
         let before = self.sizes[load];
         if before.to_bits() == size.to_bits() {

@@ -170,8 +170,7 @@ impl ReducedMotion {
             return;
         }
         if self.seen.0 != present.0 {
-            let sizes = inputs.reals.iter().take(reduced.loading().inputs.len()).enumerate();
-            sizes.for_each(|(load, size)| _ = self.loads.set(load, *size));
+            self.loads.set_first(&inputs.reals[..reduced.loading().inputs.len()]);
         }
         self.seen = present;
         self.cache.invalidate();
