@@ -106,8 +106,8 @@ fn enter<'a, T: Differentiable>(
 }
 
 impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
-    /// The equation at the start of a span, from a position on this stretch of the curve on. The scratch keeps its panel
-    /// if that is of these loads.
+    /// The equation at the start of a span, from a position on this stretch of the curve on. The scratch keeps its
+    /// panel if that is of these loads.
     #[inline(always)]
     pub fn new(
         whole: &'a Reduced,

@@ -10,7 +10,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::advance::Stopped;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::events::Event;
-use crate::mechanism::motion::memory::Outdated;
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::witness::Witness;
 use std::any::Any;
 use std::fmt::Debug;

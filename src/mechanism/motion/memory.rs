@@ -14,7 +14,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::hydraulic_motion::HydraulicMotion;
-use crate::mechanism::motion::step_ahead::Lookahead;
+use crate::mechanism::motion::step_ahead::{Lookahead, Outdated};
 use std::any::Any;
 use std::sync::OnceLock;
 
@@ -127,17 +127,6 @@ impl Default for Memory {
     fn default() -> Self {
         Self::Conservative(Integrator::default(), Lookahead::default())
     }
-}
-
-/// What is another one than in the last step of an integration.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outdated {
-    /// The state, by a jump: of the memory the statistics remain.
-    State,
-    /// The right-hand side.
-    Law,
-    /// The revolution from which sigma is counted.
-    Count,
 }
 
 impl Memory {

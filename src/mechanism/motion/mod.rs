@@ -23,7 +23,7 @@ pub mod travel_time;
 pub mod witness;
 mod work;
 
-pub use memory::{CircuitState, Outdated};
+pub use memory::CircuitState;
 pub use saved::{MOST_REVOLUTIONS, SavedState};
 
 /// State that mechanisms may have hydraulics or integral parts of controllers.
