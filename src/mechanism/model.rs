@@ -17,7 +17,7 @@ mod values;
 mod warnings;
 
 use super::designs::Designs;
-use super::dynamics::inputs::{InputPolynomial, Inputs};
+use super::dynamics::inputs::{InputPolynomial, InputValues, Inputs};
 use super::error::ModelError;
 use super::interface;
 use super::motion::state::{Reached, State};
@@ -154,7 +154,7 @@ impl Model {
             // The motion is always prescribed.
             locks.push(true);
         }
-        let inputs = Inputs { signal: InputPolynomial::new(reals.len()), reals, locks };
+        let inputs = Inputs::new(InputValues { signal: InputPolynomial::new(reals.len()), reals, locks });
         found.extend(warnings(&mechanism, &reduced));
         found.extend(warnings_at_start(&mechanism, &reduced, &inputs));
         let watched = Watched::new(&mechanism, &reduced);
@@ -339,10 +339,7 @@ impl Model {
             if let Some(drive) = moves {
                 self.inputs.move_on(drive, time);
             }
-            if self.inputs.signal.ahead {
-                self.leave_inputs_at(time);
-            }
-            self.inputs.signal.end(time);
+            self.inputs.leave(time);
         }
         let reached = stepped?;
         if let Some(command) = clipped {
@@ -361,7 +358,7 @@ impl Model {
             self.spare = Some((reduced, motion));
         }
         self.parameter_values = Arc::clone(&self.original.parameter_values);
-        self.inputs.clone_from(&self.original.inputs);
+        self.inputs.copy_from(&self.original.inputs);
         self.reduced = Some(Arc::clone(&self.original.reduced));
         self.is_placed = false;
         self.untuned = None;

@@ -178,24 +178,16 @@ impl Model {
     #[inline]
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), ModelError> {
         self.restart_told();
-        let inputs = &snapshot.inputs;
         let (own, theirs) = (&self.parameter_values, &snapshot.parameter_values);
         let shares = |reduced: &Arc<Reduced>| shares_reduced(own, reduced, theirs, &self.original.ranges);
         let same = self.reduced.as_ref().is_some_and(shares);
         match (&snapshot.motion, &mut self.state, &self.reduced) {
             (Some(SavedFormulation::Reduced(saved)), Some(Formulation::Reduced(state)), Some(reduced)) if same => {
-                let others = !same_bits(&self.inputs.reals, &inputs.reals);
-                state.restore(saved, reduced, others.then_some(&inputs.reals[..]))?;
-                if others {
-                    self.inputs.reals.copy_from_slice(&inputs.reals);
-                }
-                self.inputs.copy_rest(inputs);
+                state.restore(saved, reduced)?;
             }
-            _ => {
-                self.restore_otherwise(snapshot, same)?;
-                self.inputs.copy_from(inputs);
-            }
+            _ => self.restore_otherwise(snapshot, same)?,
         }
+        self.inputs.copy_from(&snapshot.inputs);
         share(&mut self.parameter_values, &snapshot.parameter_values);
         self.exchange = self.exchange.map(|_| snapshot.exchange.unwrap_or_default());
         self.is_placed = snapshot.has_motion();
@@ -208,14 +200,13 @@ impl Model {
     /// Restore the state of motion in all cases but one: the reduced formulation under the present parameters.
     #[cold]
     fn restore_otherwise(&mut self, snapshot: &Snapshot, same: bool) -> Result<(), ModelError> {
-        let inputs = &snapshot.inputs;
         if let (Some(SavedFormulation::RigidFem(saved)), Some(Formulation::RigidFem(state)), Some(reduced)) =
             (&snapshot.motion, &mut self.state, &self.reduced)
             && same
         {
-            return state.restore(saved, reduced, inputs);
+            return state.restore(saved, reduced);
         }
-        let (values, ranges) = (&snapshot.parameter_values, &self.original.ranges);
+        let (values, inputs, ranges) = (&snapshot.parameter_values, &snapshot.inputs, &self.original.ranges);
         let reduced = match (&self.reduced, &snapshot.reduced) {
             (Some(own), _) if same => Some(Arc::clone(own)),
             (_, Some(theirs)) => Some(Arc::clone(self.designs.find(values, ranges).unwrap_or(theirs))),
@@ -364,7 +355,7 @@ fn share<T>(one: &mut Arc<T>, other: &Arc<T>) {
 #[cold]
 fn saved(motion: &Formulation) -> SavedFormulation {
     match motion {
-        Formulation::Reduced(motion) => SavedFormulation::Reduced(motion.state.saved.clone()),
+        Formulation::Reduced(motion) => SavedFormulation::Reduced(SavedState::clone(&motion.state)),
         Formulation::RigidFem(state) => SavedFormulation::RigidFem(state.saved()),
     }
 }

@@ -106,6 +106,20 @@ fn enter<'a, T: Differentiable>(
 }
 
 impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
+    /// The equation at the start of a span, from a position on this stretch of the curve on. The scratch keeps its
+    /// panel if that is of these loads.
+    #[inline(always)]
+    pub fn new(
+        whole: &'a Reduced,
+        (reduced, state_loads): Stretch<'a>,
+        applied: AppliedLoads<'a>,
+        scratch: &'a mut Scratch<T>,
+    ) -> Self {
+        scratch.panel_force.belong_to(&applied, reduced.stretch);
+        let (time, mode, locked, ports, network) = (T::constant(0.0), Mode::default(), false, None, None);
+        Self { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network }
+    }
+
     /// x at sigma on its panel, which is entered if it is not the present one.
     #[inline(always)]
     pub fn locate(&mut self, sigma: f64) -> f64 {

@@ -5,10 +5,117 @@
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::bits::become_same;
+use std::ops::{Deref, DerefMut, Range};
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Inputs of a mechanism.
-#[derive(Clone, Debug, PartialEq)]
+/// The first number that is not reserved for a version of inputs.
+static UNUSED: AtomicU64 = AtomicU64::new(1);
+/// Numbers that are reserved at once, so that threads seldom access [`UNUSED`].
+const RESERVED: u64 = 1 << 16;
+
+/// Inputs of a mechanism, with a version that each access to change them renews. What was computed from inputs is valid
+/// as long as they have the same version.
+#[derive(Debug)]
 pub struct Inputs {
+    values: InputValues,
+    version: u64,
+    /// Numbers reserved for the next versions.
+    unused: Range<u64>,
+}
+
+impl Inputs {
+    /// Inputs with these values.
+    pub fn new(values: InputValues) -> Self {
+        let mut inputs = Self { values, version: 0, unused: 0..0 };
+        inputs.renew();
+        inputs
+    }
+
+    /// Number of these values, at least 1. Inputs of the same version have the same values, in all instances, but for
+    /// those that [`Self::move_on`] changes.
+    #[inline(always)]
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
+    fn renew(&mut self) {
+        if self.unused.is_empty() {
+            let first = UNUSED.fetch_add(RESERVED, Ordering::Relaxed);
+            self.unused = first..first + RESERVED;
+        }
+        self.version = self.unused.start;
+        self.unused.start += 1;
+    }
+
+    /// Set a Real; returns whether it had another value. Its derivatives become 0 unless they apply to the next step.
+    pub fn set(&mut self, input: usize, value: f64) -> bool {
+        if self.signal.any && !self.signal.ahead {
+            let signal = &mut self.signal;
+            (signal.first[input], signal.second[input]) = (0.0, 0.0);
+        }
+        let is_other = self.reals[input].to_bits() != value.to_bits();
+        if is_other {
+            self.reals[input] = value;
+        }
+        is_other
+    }
+
+    /// The values without a new version: for the motion that inputs prescribe, which the state follows.
+    pub(super) fn followed(&mut self) -> &mut InputValues {
+        &mut self.values
+    }
+
+    /// A step of `h` [s] is done: the inputs keep their values and rates at its end.
+    #[inline]
+    pub fn leave(&mut self, h: f64) {
+        if self.signal.any {
+            let InputValues { reals, signal, .. } = &mut **self;
+            reals.iter_mut().enumerate().for_each(|(input, value)| *value = signal.at(input, *value, h));
+            signal.end(h);
+        }
+    }
+
+    /// All fields, written or read.
+    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+        if record.reads() {
+            self.renew();
+        }
+        self.values.record(record)
+    }
+
+    /// Become the same as other inputs of the same mechanism, without allocation.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.values.copy_from(&other.values);
+        self.version = other.version;
+    }
+}
+
+impl Clone for Inputs {
+    fn clone(&self) -> Self {
+        Self { values: self.values.clone(), version: self.version, unused: 0..0 }
+    }
+}
+
+impl Deref for Inputs {
+    type Target = InputValues;
+
+    #[inline(always)]
+    fn deref(&self) -> &InputValues {
+        &self.values
+    }
+}
+
+impl DerefMut for Inputs {
+    fn deref_mut(&mut self) -> &mut InputValues {
+        self.renew();
+        &mut self.values
+    }
+}
+
+/// Values of the inputs of a mechanism.
+#[derive(Clone, Debug)]
+pub struct InputValues {
     /// Sizes of loads, then demanded accelerations of the drives, then inputs of a hydraulic circuit or of a prescribed
     /// motion, then the airspeed if there is air.
     pub reals: Vec<f64>,
@@ -18,7 +125,7 @@ pub struct Inputs {
     pub signal: InputPolynomial,
 }
 
-impl Inputs {
+impl InputValues {
     /// Input derivatives for the next step; None if all inputs are constant.
     #[inline]
     pub fn change(&self, reduced: &Reduced) -> Option<Change<'_>> {
@@ -37,8 +144,7 @@ impl Inputs {
         (0..self.reals.len()).fold(0.0, |largest, input| self.size_at(input, h).max(largest))
     }
 
-    /// All fields, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+    fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.length("inputs", self.reals.len())?;
         record.all_finite("input", &mut self.reals)?;
         self.signal.record(record)?;
@@ -46,16 +152,9 @@ impl Inputs {
         self.locks.iter_mut().try_for_each(|lock| record.flag("lock", lock))
     }
 
-    /// Become the same as other inputs of the same mechanism, without allocation.
     #[inline]
-    pub fn copy_from(&mut self, other: &Self) {
+    fn copy_from(&mut self, other: &Self) {
         become_same(&mut self.reals, &other.reals);
-        self.copy_rest(other);
-    }
-
-    /// [`Self::copy_from`] without the values of the Reals.
-    #[inline]
-    pub fn copy_rest(&mut self, other: &Self) {
         for (own, other) in self.locks.iter_mut().zip(&other.locks) {
             if own != other {
                 *own = *other;
@@ -111,13 +210,6 @@ impl InputPolynomial {
         self.any = self.ahead;
     }
 
-    /// An input was set: its derivatives become 0 unless they apply to the next step.
-    pub fn value_set(&mut self, input: usize) {
-        if self.any && !self.ahead {
-            (self.first[input], self.second[input]) = (0.0, 0.0);
-        }
-    }
-
     /// Constant inputs again.
     pub fn clear(&mut self) {
         self.first.fill(0.0);
@@ -142,8 +234,7 @@ impl InputPolynomial {
         if self.ahead { value + h * (self.first[input] + 0.5 * h * self.second[input]) } else { value }
     }
 
-    /// All fields, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
+    fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("derivative of an input", &mut self.first)?;
         record.all_finite("second derivative of an input", &mut self.second)?;
         if record.reads() {
@@ -152,9 +243,8 @@ impl InputPolynomial {
         record.flag("derivatives of inputs ahead", &mut self.ahead)
     }
 
-    /// Become the same as another one of as many inputs.
     #[inline]
-    pub fn copy_from(&mut self, other: &Self) {
+    fn copy_from(&mut self, other: &Self) {
         if self.any || other.any {
             self.first.copy_from_slice(&other.first);
             self.second.copy_from_slice(&other.second);
@@ -164,11 +254,7 @@ impl InputPolynomial {
     }
 
     /// A step of size h is done: the rates are those at its end, 0 where the inputs were constant.
-    #[inline]
-    pub fn end(&mut self, h: f64) {
-        if !self.any {
-            return;
-        }
+    fn end(&mut self, h: f64) {
         if !self.ahead {
             self.clear();
             return;
@@ -185,24 +271,51 @@ impl InputPolynomial {
 mod tests {
     use super::*;
 
+    fn inputs(count: usize) -> Inputs {
+        Inputs::new(InputValues { reals: vec![2.0; count], locks: Vec::new(), signal: InputPolynomial::new(count) })
+    }
+
     #[test]
     fn derivatives_hold_for_one_step() {
-        let mut signal = InputPolynomial::new(2);
-        assert!(signal.change(1, false).is_none());
-        signal.set(1, 1, 3.0);
-        signal.set(1, 2, 4.0);
-        signal.value_set(1);
-        assert_eq!(signal.at(1, 2.0, 0.5), 2.0 + 3.0 * 0.5 + 0.5 * 4.0 * 0.25);
-        assert_eq!(signal.change(1, true).unwrap().airspeed, [3.0, 4.0]);
-        signal.end(0.5);
-        assert!(signal.change(1, true).is_none());
-        assert_eq!((signal.at(1, 2.0, 0.5), signal.first[1]), (2.0, 5.0));
+        let mut inputs = inputs(2);
+        assert!(inputs.signal.change(1, false).is_none());
+        inputs.signal.set(1, 1, 3.0);
+        inputs.signal.set(1, 2, 4.0);
+        assert!(!inputs.set(1, 2.0));
+        let end = 2.0 + 3.0 * 0.5 + 0.5 * 4.0 * 0.25;
+        assert_eq!(inputs.signal.at(1, 2.0, 0.5), end);
+        assert_eq!(inputs.signal.change(1, true).unwrap().airspeed, [3.0, 4.0]);
+        inputs.leave(0.5);
+        assert!(inputs.signal.change(1, true).is_none());
+        assert_eq!((&inputs.reals[..], inputs.signal.first[1]), (&[2.0, end][..], 5.0));
         // A step with constant inputs, or a value that is set: they change no longer.
-        let mut constant = signal.clone();
-        constant.end(0.5);
-        assert_eq!(constant, InputPolynomial::new(2));
-        signal.value_set(1);
-        assert_eq!(signal.first[1], 0.0);
+        let mut constant = inputs.clone();
+        constant.leave(0.5);
+        assert_eq!(constant.signal, InputPolynomial::new(2));
+        inputs.set(1, end);
+        assert_eq!(inputs.signal.first[1], 0.0);
+    }
+
+    #[test]
+    fn inputs_of_one_version_have_the_same_values() {
+        let first = inputs(1);
+        let mut all = vec![first.clone(), first.clone(), first];
+        all[1].set(0, 3.0);
+        all[2].set(0, 4.0);
+        let kept = all[1].clone();
+        all[1].set(0, 5.0);
+        all[2].copy_from(&kept);
+        assert_eq!((all[2].version(), all[2].reals[0]), (kept.version(), 3.0));
+        all[2].set(0, 6.0);
+        all.push(kept);
+        let mut versions: Vec<u64> = all.iter().map(Inputs::version).collect();
+        versions.sort_unstable();
+        versions.dedup();
+        assert_eq!(versions.len(), all.len());
+        let version = all[0].version();
+        all[0].set(0, 2.0);
+        all[0].leave(1.0);
+        assert_eq!(all[0].version(), version);
     }
 
     #[test]

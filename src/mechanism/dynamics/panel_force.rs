@@ -19,6 +19,8 @@ const DIFFERENCE: f64 = 1e-4;
 /// Sizes of all that the state does not decide.
 #[derive(Clone, Copy, Debug)]
 pub struct AppliedLoads<'a> {
+    /// Number of these sizes and their time derivatives: equal for the same ones. 0: none, so that nothing is kept.
+    pub version: u64,
     /// Sizes of the sized loads.
     pub sizes: &'a [f64],
     /// Airspeed [m/s].
@@ -73,6 +75,8 @@ pub struct PanelForce {
     panel: usize,
     /// Number of the stretch of the curve on which the panel is.
     stretch: i32,
+    /// Version of the loads, and the whole revolutions before sigma = 0.
+    of: (u64, f64),
     /// Whole revolutions before this panel.
     pub revolutions: f64,
     /// Force along the curve.
@@ -116,25 +120,26 @@ impl PanelForce {
         }
     }
 
-    /// Hold for no sigma: sizes or revolutions are others.
+    /// Hold for no sigma: sizes are others.
     pub fn invalidate(&mut self) {
         (self.low, self.high) = (f64::INFINITY, f64::NEG_INFINITY);
     }
 
-    /// Hold for no sigma if the panel is on another stretch of the curve.
+    /// Hold for no sigma unless it is that of these loads, on this stretch of the curve.
     #[inline(always)]
-    pub fn on_stretch(&mut self, stretch: i32) {
-        if self.stretch != stretch {
+    pub fn belong_to(&mut self, applied: &AppliedLoads, stretch: i32) {
+        let of = (applied.version, applied.revolutions);
+        if of != self.of || of.0 == 0 || self.stretch != stretch {
+            (self.of, self.stretch) = (of, stretch);
             self.invalidate();
         }
     }
 
-    /// [`Self::on_stretch`]. Where this one does not hold sigma, become the same as another one under the same inputs
-    /// that does: what was summed up for outputs is not summed up again for a step, nor the other way round.
+    /// Where this one does not hold sigma, become the same as another one of the same loads that does: what was summed
+    /// up for outputs is not summed up again for a step, nor the other way round.
     #[inline]
-    pub fn share(&mut self, other: Option<&Self>, stretch: i32, sigma: f64) {
-        self.on_stretch(stretch);
-        let is_known = |other: &&Self| other.stretch == stretch && other.holds(sigma);
+    pub fn share(&mut self, other: Option<&Self>, sigma: f64) {
+        let is_known = |other: &&Self| (other.of, other.stretch) == (self.of, self.stretch) && other.holds(sigma);
         if !self.holds(sigma)
             && let Some(other) = other.filter(is_known)
         {
@@ -147,9 +152,9 @@ impl PanelForce {
         if !(other.exact.is_empty() && other.rates.is_empty()) {
             return;
         }
-        let Self { low, high, center, inverse, offset, panel, stretch, revolutions, force, .. } = *other;
+        let Self { low, high, center, inverse, offset, panel, revolutions, force, .. } = *other;
         (self.low, self.high, self.center, self.inverse, self.offset) = (low, high, center, inverse, offset);
-        (self.panel, self.stretch, self.revolutions, self.force) = (panel, stretch, revolutions, force);
+        (self.panel, self.revolutions, self.force) = (panel, revolutions, force);
         self.reactions.clone_from(&other.reactions);
         self.exact.clear();
         self.rates.clear();

@@ -46,7 +46,7 @@ impl Inputs {
     pub fn move_on(&mut self, drive: &MotionDrive, h: f64) {
         if let (Some(given), Some(first)) = (self.given(drive), drive.first_input) {
             let [position, speed, ..] = end_of(given, h);
-            (self.reals[first], self.reals[first + 1]) = (position, speed);
+            self.followed().reals[first..first + 2].copy_from_slice(&[position, speed]);
         }
     }
 

@@ -39,6 +39,8 @@ pub struct RigidFemMotion {
     balanced: bool,
     /// Accelerations and applied sizes before the last change of sizes; a step that fails returns to them.
     before: (Vec<Vec2>, Vec<f64>),
+    /// Versions of the inputs and of the state to which the present sizes, balance and reactions belong.
+    seen: (u64, u64),
     /// Sizes of the loads under the present inputs.
     sizes: Vec<f64>,
     /// Whether the reactions are those of the present sizes, and the reactions of the joints.
@@ -110,6 +112,7 @@ impl RigidFemMotion {
             balanced: false,
             before: (kept.state.accelerations.clone(), kept.applied.clone()),
             reactions: (false, vec![Reaction::default(); reduced.linkage().joints.len()]),
+            seen: (0, 0),
             sizes: reduced.sizes(&inputs.reals),
             rigid,
             kept,
@@ -128,6 +131,7 @@ impl RigidFemMotion {
         if count > limit {
             return Err(RigidFemError::Substeps { count, limit }.into());
         }
+        self.sync(reduced, inputs);
         let reference = self.kept.reference;
         let changed = self.apply()?;
         self.advance(reduced, h).inspect_err(|_| {
@@ -153,17 +157,17 @@ impl RigidFemMotion {
         *reference -= fem.advance_watched(state, &mut self.scratch, applied, [h, *fem_step], &mut watch)?;
         *steps += count;
         self.rigid.move_to(track.sigma, track.sigma_dot, track.revolutions);
-        (self.balanced, self.reactions.0) = (false, false);
         Ok(())
     }
 
-    /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
-    pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
-        if input < loads {
-            self.sizes[input] = value;
-            (self.balanced, self.reactions.0) = (false, false);
+    /// The sizes become those of the inputs; balance and reactions are found again if the inputs or the state are
+    /// others.
+    fn sync(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let present = (inputs.version(), self.rigid.state.version());
+        if self.seen != present {
+            (self.seen, self.balanced, self.reactions.0) = (present, false, false);
+            reduced.sizes_into(&inputs.reals, &mut self.sizes);
         }
-        self.rigid.set_input(input, loads, value);
     }
 
     /// Steps of Newmark's method so far.

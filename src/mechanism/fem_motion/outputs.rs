@@ -22,6 +22,7 @@ impl RigidFemMotion {
     /// # Errors
     /// [`OutputError`].
     pub fn output(&mut self, reduced: &Reduced, inputs: &Inputs, output: Output) -> Result<f64, OutputError> {
+        self.sync(reduced, inputs);
         evaluate(&mut View { motion: self, reduced, inputs }, reduced.loading(), &output)
     }
 

@@ -21,7 +21,7 @@ pub struct SavedRigidFem {
 impl RigidFemMotion {
     /// The fields that decide the next steps.
     pub fn saved(&self) -> SavedRigidFem {
-        SavedRigidFem { kept: self.kept.clone(), rigid: self.rigid.state.saved.clone() }
+        SavedRigidFem { kept: self.kept.clone(), rigid: SavedState::clone(&self.rigid.state) }
     }
 
     /// [`Self::saved`] in the place of another one, without allocation.
@@ -44,12 +44,9 @@ impl RigidFemMotion {
     ///
     /// # Errors
     /// As [`Self::from_saved`]; nothing has changed.
-    pub fn restore(&mut self, saved: &SavedRigidFem, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        self.rigid.restore(&saved.rigid, reduced, Some(&inputs.reals))?;
+    pub fn restore(&mut self, saved: &SavedRigidFem, reduced: &Reduced) -> Result<(), ModelError> {
+        self.rigid.restore(&saved.rigid, reduced)?;
         self.kept.copy_from(&saved.kept);
-        let loads = reduced.loading().inputs.len();
-        self.sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
-        (self.balanced, self.reactions.0) = (false, false);
         Ok(())
     }
 }

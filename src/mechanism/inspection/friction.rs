@@ -7,7 +7,6 @@ use crate::inspection::{Fact, Finding, Inspection};
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::reduced::{Reduced, StateLoads};
@@ -80,11 +79,10 @@ impl Slow<'_> {
     fn locks(&mut self, sigma: f64, direction: f64) -> bool {
         let Self { reduced, state_loads, inputs, scratch } = self;
         let sizes = &reduced.sizes(&inputs.reals);
-        let applied = AppliedLoads { sizes, airspeed: airspeed(reduced, inputs), revolutions: 0.0, change: None };
-        let (mode, state_loads) = (Mode { direction, ..Mode::default() }, Some(*state_loads));
-        let (whole, time, locked, ports, network) = (*reduced, 0.0, false, None, None);
-        let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
+        let (version, airspeed) = (inputs.version(), airspeed(reduced, inputs));
+        let applied = AppliedLoads { version, sizes, airspeed, revolutions: 0.0, change: None };
+        let mut equation = EquationOfMotion::new(reduced, (reduced, Some(*state_loads)), applied, scratch);
+        equation.mode.direction = direction;
         equation.locks_slowly(sigma, direction)
     }
 

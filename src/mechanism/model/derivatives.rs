@@ -138,12 +138,6 @@ impl Model {
         self.check_input_derivative(reference, order, value)?;
         if let Some(Quantity::Input(i)) = self.original.variables.quantity(reference) {
             self.inputs.signal.set(i, if order == 1 { 1 } else { 2 }, value);
-            // Air that begins to blow acts by other tables, whose values differ by rounding.
-            if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced)
-                && reduced.loading().air.is_some()
-            {
-                motion.set_lock();
-            }
         }
         Ok(())
     }
@@ -161,20 +155,6 @@ impl Model {
             }
         }
         Ok(())
-    }
-
-    /// A step of size h is done: the inputs keep their values at its end.
-    pub(super) fn leave_inputs_at(&mut self, h: f64) {
-        let loads = self.reduced.as_ref().map_or(0, |reduced| reduced.loading().inputs.len());
-        for (i, value) in self.inputs.reals.iter_mut().enumerate() {
-            let end = self.inputs.signal.at(i, *value, h);
-            if end.to_bits() != value.to_bits() {
-                *value = end;
-                if let Some(Formulation::Reduced(motion)) = &mut self.state {
-                    motion.set_input(i, loads, end);
-                }
-            }
-        }
     }
 
     /// Derivative of an output in the direction last headed for; NaN if it has none.

@@ -305,7 +305,6 @@ impl Model {
             let locked = motion.state.ends(reduced, &self.inputs.locks).locked;
             let ends = Ends::new(&travel, 0.0, locked);
             motion.state.contact.locks_set(&ends);
-            motion.set_lock();
         }
         let most = 8 + 4 * self.original.parameter_values.mechanism().stops.len();
         for _ in 0..most {
@@ -379,7 +378,6 @@ impl Model {
             Transition::LetGo(bumper) => state.contact.let_go(bumper),
             Transition::Halt => state.sigma_dot = 0.0,
         }
-        motion.set_lock();
         Ok(())
     }
 }

@@ -160,7 +160,6 @@ impl Model {
                 let value = output.and_then(|output| motion.output(&reduced, &inputs, output).ok());
                 column.push(value.unwrap_or(f64::NAN));
             }
-            self.release(held_by, (&mut motion, &reduced));
         }
         Ok(columns)
     }
@@ -266,7 +265,6 @@ impl Model {
         out.damping_ratio = 0.5 * d / out.omega;
         out.eigenvalues = self.eigenvalues([k, d], (motion, reduced, &inputs));
         self.add_matrices(what, (motion, reduced, &inputs), &mut out);
-        self.release(what.held_by, (motion, reduced));
         Ok(out)
     }
 
@@ -294,18 +292,10 @@ impl Model {
         let acting = motion.output(reduced, &inputs, Output::ActingForce { drive }).unwrap_or(f64::NAN);
         let force = held - (acting - inputs.reals[index]);
         if force.is_finite() {
-            inputs.reals[index] = force;
-            motion.set_input(index, reduced.loading().inputs.len(), force);
+            inputs.set(index, force);
             _ = motion.follow(reduced, &inputs, |_| true);
         }
         (inputs, Some(force))
-    }
-
-    /// Give the input that holds a motion its value of the model again.
-    fn release(&self, held_by: Option<Reference>, (motion, reduced): (&mut ReducedMotion, &Reduced)) {
-        if let Some(input) = held_by {
-            motion.set_input(input as usize, reduced.loading().inputs.len(), self.inputs.reals[input as usize]);
-        }
     }
 
     /// Eigenvalues of small motions with this stiffness and damping; not a number where these are none.

@@ -72,7 +72,7 @@ impl Model {
             let jump = after - before;
             // A trial state of model exchange may be so fast that its energy overflows.
             if jump.is_finite() {
-                retuned.book(jump);
+                retuned.state.reference += jump;
             }
         }
         self.designs.keep(&tuned, &reduced);

@@ -166,22 +166,10 @@ impl Model {
     /// As [`Self::check_real`].
     pub fn take_real(&mut self, reference: Reference, value: f64) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
-            Some(Quantity::Input(i)) => {
-                self.inputs.signal.value_set(i);
-                if self.inputs.reals[i].to_bits() == value.to_bits() {
-                    return Ok(());
-                }
-                self.inputs.reals[i] = value;
+            Some(Quantity::Input(i)) if self.inputs.set(i, value) => {
                 self.forget_start();
-                if let (Some(state), Some(reduced)) = (&mut self.state, &self.reduced) {
-                    let loads = reduced.loading().inputs.len();
-                    match state {
-                        Formulation::Reduced(motion) => {
-                            motion.set_input(i, loads, value);
-                            motion.state.fill_accumulator(reduced, i, value);
-                        }
-                        Formulation::RigidFem(motion) => motion.set_input(i, loads, value),
-                    }
+                if let (Some(Formulation::Reduced(motion)), Some(reduced)) = (&mut self.state, &self.reduced) {
+                    motion.state.fill_accumulator(reduced, i, value);
                 }
             }
             Some(Quantity::Parameter(i)) if self.parameter_values.parameters[i].to_bits() != value.to_bits() => {
@@ -279,11 +267,6 @@ impl Model {
             _ if lock.is_some_and(|lock| self.inputs.locks[lock] != value) => {
                 lock.into_iter().for_each(|lock| self.inputs.locks[lock] = value);
                 self.forget_start();
-                match &mut self.state {
-                    Some(Formulation::Reduced(motion)) => motion.set_lock(),
-                    Some(Formulation::RigidFem(motion)) => motion.rigid.set_lock(),
-                    None => {}
-                }
             }
             Some(Quantity::Flag(i)) if self.parameter_values.flags[i] != value => {
                 let values = Arc::make_mut(&mut self.parameter_values);

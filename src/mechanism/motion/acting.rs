@@ -11,6 +11,7 @@ pub fn blows(reduced: &Reduced, speed: f64) -> bool {
 }
 
 /// Airspeed under these inputs [m/s]; 0 without air.
+#[inline]
 pub fn airspeed(reduced: &Reduced, inputs: &Inputs) -> f64 {
     reduced.loading().air.as_ref().and(inputs.reals.last().copied()).unwrap_or(0.0)
 }

@@ -10,7 +10,7 @@ use super::travel::pressed_bumpers;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
-use crate::mechanism::dynamics::state_loads::{Evaluation, Mode};
+use crate::mechanism::dynamics::state_loads::Evaluation;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::reduced::Reduced;
@@ -52,11 +52,12 @@ pub enum NoEquilibrium {
 pub struct AtRest<'a> {
     reduced: &'a Reduced,
     travel: &'a Travel,
+    /// Version of the inputs with these sizes and airspeed.
+    version: u64,
     sizes: Vec<f64>,
     airspeed: f64,
     air: bool,
     scratch: Scratch,
-    revolutions: f64,
 }
 
 /// Whether the force of a spring or of a controlled drive changes with each revolution of a closed curve.
@@ -78,24 +79,18 @@ impl<'a> AtRest<'a> {
         let air = blows_under(reduced, inputs);
         let scratch = Scratch::new(state_loads(reduced.at(sigma), air, revolutions)?);
         let (sizes, airspeed) = (reduced.sizes(&inputs.reals), airspeed(reduced, inputs));
-        Ok(Self { reduced, travel, sizes, airspeed, air, scratch, revolutions })
+        Ok(Self { reduced, travel, version: inputs.version(), sizes, airspeed, air, scratch })
     }
 
     /// sigma_ddot and its derivatives along sigma and sigma_dot; not a number where friction has no solution.
     pub fn gradient(&mut self, position: f64) -> [f64; 3] {
         let (sigma, revolutions) = self.reduced.unwound(position);
-        if revolutions != self.revolutions {
-            self.scratch.panel_force.invalidate();
-            self.revolutions = revolutions;
-        }
         let (whole, reduced) = (self.reduced, self.reduced.at(sigma));
         let Ok(state_loads) = reduced.state_loads(self.air) else { return [f64::NAN; 3] };
-        self.scratch.panel_force.on_stretch(reduced.stretch);
-        let applied = AppliedLoads { sizes: &self.sizes, airspeed: self.airspeed, revolutions, change: None };
-        let mode = Mode { touching: pressed_bumpers(whole, self.travel, position, 0.0), ..Mode::default() };
-        let (scratch, time, locked, ports, network) = (&mut self.scratch, 0.0, false, None, None);
-        let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
+        let (version, sizes, airspeed) = (self.version, &self.sizes, self.airspeed);
+        let applied = AppliedLoads { version, sizes, airspeed, revolutions, change: None };
+        let mut equation = EquationOfMotion::new(whole, (reduced, state_loads), applied, &mut self.scratch);
+        equation.mode.touching = pressed_bumpers(whole, self.travel, position, 0.0);
         match equation.tangent(sigma, 0.0) {
             Ok([Evaluation { acceleration: a, .. }, by_speed]) => [a.value, a.slope[0], by_speed.acceleration.slope[0]],
             Err(_) => [f64::NAN; 3],

@@ -10,6 +10,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::motion::advance::Stopped;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::events::Event;
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::witness::Witness;
 use std::any::Any;
 use std::fmt::Debug;
@@ -40,9 +41,7 @@ pub trait HydraulicMotion: Any + Debug + Send + Sync {
     fn statistics(&self) -> Statistics;
     fn tried(&self) -> [u64; 2];
     fn event_ahead(&self) -> Option<Event>;
-    fn restart(&mut self);
-    fn recount(&mut self);
-    fn refresh(&mut self);
+    fn drop_outdated(&mut self, outdated: Outdated);
     /// All fields, written or read.
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged>;
     fn duplicate(&self) -> Box<dyn HydraulicMotion>;

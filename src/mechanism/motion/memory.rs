@@ -14,7 +14,7 @@ use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::hydraulic_motion::HydraulicMotion;
-use crate::mechanism::motion::step_ahead::Lookahead;
+use crate::mechanism::motion::step_ahead::{Lookahead, Outdated};
 use std::any::Any;
 use std::sync::OnceLock;
 
@@ -232,7 +232,7 @@ impl Memory {
         let Self::WithHydraulics(motion) = self else { return };
         if let Some(memory) = (motion.as_mut() as &mut dyn Any).downcast_mut::<ControlMemory>() {
             memory.circuit.values.iter_mut().zip(values).for_each(|(own, value)| *own = *value);
-            restart(&mut memory.integrator, &mut memory.lookahead);
+            drop_outdated(&mut memory.integrator, &mut memory.lookahead, Outdated::State);
         }
     }
 
@@ -285,30 +285,12 @@ impl Memory {
         }
     }
 
-    /// Clear all but the statistics.
-    pub fn restart(&mut self) {
+    /// Keep only what does not depend on this.
+    pub fn drop_outdated(&mut self, outdated: Outdated) {
         match self {
-            Self::Conservative(i, ahead) => restart(i, ahead),
-            Self::WithDissipation(i, ahead) => restart(i, ahead),
-            Self::WithHydraulics(motion) => motion.restart(),
-        }
-    }
-
-    /// sigma is counted from another revolution.
-    pub fn recount(&mut self) {
-        match self {
-            Self::Conservative(i, ahead) => recount(i, ahead),
-            Self::WithDissipation(i, ahead) => recount(i, ahead),
-            Self::WithHydraulics(motion) => motion.recount(),
-        }
-    }
-
-    /// The right-hand side has changed.
-    pub fn refresh(&mut self) {
-        match self {
-            Self::Conservative(i, ahead) => refresh(i, ahead),
-            Self::WithDissipation(i, ahead) => refresh(i, ahead),
-            Self::WithHydraulics(motion) => motion.refresh(),
+            Self::Conservative(i, ahead) => drop_outdated(i, ahead, outdated),
+            Self::WithDissipation(i, ahead) => drop_outdated(i, ahead, outdated),
+            Self::WithHydraulics(motion) => motion.drop_outdated(outdated),
         }
     }
 }
@@ -319,24 +301,21 @@ fn begin<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahe
     lookahead.begin_anew();
 }
 
-/// [`Memory::restart`] of one kind.
-pub(super) fn restart<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
-    integrator.restart();
-    lookahead.invalidate();
-}
-
-/// [`Memory::recount`] of one kind.
-pub(super) fn recount<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
-    if lookahead.step_ahead.take().is_some() {
-        integrator.branch_off();
-    }
-}
-
-/// [`Memory::refresh`] of one kind.
+/// [`Memory::drop_outdated`] of one kind.
 #[inline]
-pub(super) fn refresh<const N: usize>(integrator: &mut Integrator<N>, lookahead: &mut Lookahead<N>) {
-    if lookahead.invalidate() {
-        integrator.branch_off();
+pub(super) fn drop_outdated<const N: usize>(
+    integrator: &mut Integrator<N>,
+    lookahead: &mut Lookahead<N>,
+    outdated: Outdated,
+) {
+    let was_ahead = match outdated {
+        Outdated::Count => lookahead.step_ahead.take().is_some(),
+        _ => lookahead.invalidate(),
+    };
+    match outdated {
+        Outdated::State => integrator.restart(),
+        _ if was_ahead => integrator.branch_off(),
+        Outdated::Law => integrator.refresh(),
+        Outdated::Count => {}
     }
-    integrator.refresh();
 }

@@ -6,6 +6,7 @@ use super::acting::{blows, state_loads};
 use super::memory::{CircuitState, Memory};
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::hydraulic::border_of;
+use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::contact::{BumperPlaces, Contact, EngagedLocks, Place, RigidEnd, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
@@ -14,7 +15,6 @@ use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::motion::travel::grips;
 use crate::mechanism::reduced::{Reduced, StateLoads};
-use crate::numerics::bits::become_same;
 use std::sync::Arc;
 
 /// Part of a closed curve's length by which sigma may be beyond its ends by rounding.
@@ -34,51 +34,72 @@ pub struct SavedState {
     pub contact: Contact,
     /// Found at the start; all states of a run share it.
     pub travel: Arc<Travel>,
-    /// Sizes of the loads in the last step, which the integration and the energy balance refer to.
-    pub applied: Vec<f64>,
-    /// Airspeed at the start of the last step [m/s].
-    pub airspeed: f64,
-    /// Whether air has acted on the surfaces at any time of the last step.
-    pub air: bool,
+    pub applied: Applied,
     /// Energy at the start, plus the work of changing sizes, less the energy lost since.
     pub reference: f64,
     /// Time since the start, or that of the host; counted if there are stops.
     pub time: Elapsed,
     /// Impacts on each stop.
     pub impacts: Vec<Impacts>,
-    /// Places where a lock is engaged, if the inputs of the last step are still in force: then nothing is to be
-    /// applied. None is always right, and what a state has that was read.
-    pub in_force: Option<EngagedLocks>,
     pub memory: Memory,
     /// The prescribed motion of a drive; none where no drive has a motion.
     pub prescribed: Option<PrescribedState>,
 }
 
-impl SavedState {
-    /// Become the same as another one of this mechanism, without allocation. Returns whether the sizes of loads or the
-    /// revolutions were others.
+/// The inputs as the last step has applied them, which the integration and the energy balance refer to.
+#[derive(Clone, Debug, Default)]
+pub struct Applied {
+    /// [`Inputs::version`] of these inputs; 0 where they are to be applied anew: in a state that was read, after a step
+    /// in which they changed with time, and after one that failed.
+    pub version: u64,
+    /// Sizes of the loads.
+    pub sizes: Vec<f64>,
+    /// Airspeed at the start of the step [m/s].
+    pub airspeed: f64,
+    /// Whether air has acted on the surfaces at any time of the step.
+    pub air: bool,
+    /// Places where a lock is engaged.
+    pub locked: EngagedLocks,
+}
+
+impl Applied {
+    /// Places where a lock is engaged, if nothing of these inputs is to be applied.
+    #[inline(always)]
+    pub fn in_force(&self, inputs: &Inputs) -> Option<EngagedLocks> {
+        (self.version == inputs.version()).then_some(self.locked)
+    }
+
+    /// Become the same as another one of this mechanism, without allocation.
     #[inline]
-    pub fn copy_from(&mut self, other: &Self) -> bool {
-        let others = become_same(&mut self.applied, &other.applied) || self.revolutions != other.revolutions;
+    pub fn copy_from(&mut self, other: &Self) {
+        self.sizes.copy_from_slice(&other.sizes);
+        (self.version, self.locked) = (other.version, other.locked);
+        (self.airspeed, self.air) = (other.airspeed, other.air);
+    }
+}
+
+impl SavedState {
+    /// Become the same as another one of this mechanism, without allocation.
+    #[inline]
+    pub fn copy_from(&mut self, other: &Self) {
+        self.applied.copy_from(&other.applied);
         (self.sigma, self.sigma_dot, self.revolutions) = (other.sigma, other.sigma_dot, other.revolutions);
         self.contact = other.contact;
         if !Arc::ptr_eq(&self.travel, &other.travel) {
             self.travel = Arc::clone(&other.travel);
         }
-        (self.airspeed, self.air, self.reference) = (other.airspeed, other.air, other.reference);
-        (self.time, self.in_force) = (other.time, other.in_force);
+        (self.reference, self.time) = (other.reference, other.time);
         self.impacts.clone_from(&other.impacts);
         self.memory.copy_from(&other.memory);
         if other.prescribed.is_some() {
             self.prescribed = other.prescribed;
         }
-        others
     }
 
     /// The loads that the state decides, as in the last step.
     #[inline]
     pub fn state_loads<'a>(&self, reduced: &'a Reduced) -> Result<Option<&'a StateLoads>, ModelError> {
-        state_loads(reduced.at(self.sigma), self.air, self.revolutions)
+        state_loads(reduced.at(self.sigma), self.applied.air, self.revolutions)
     }
 
     /// Read one for this reduced model.
@@ -91,7 +112,7 @@ impl SavedState {
         let bumpers = bumpers.map(|(stop, _)| BumperPlaces { stop, ..BumperPlaces::default() }).collect();
         let travel = Arc::new(Travel { bumpers, ends_meet: reduced.ends_meet(), ..Travel::default() });
         let impacts = vec![Impacts::default(); reduced.loading().stops.len()];
-        let applied = vec![0.0; reduced.components().sized];
+        let applied = Applied { sizes: vec![0.0; reduced.components().sized], ..Applied::default() };
         let mut saved = Self { applied, travel, impacts, ..Self::default() };
         if reduced.loading().hydraulics.is_some() {
             saved.memory = Memory::with_circuit(CircuitState::default(), reduced.loading().ports())?;
@@ -124,10 +145,10 @@ impl SavedState {
             true => record_travel(Arc::make_mut(&mut self.travel), record)?,
             false => record_travel(&mut Travel::clone(&self.travel), record)?,
         }
-        record.length("sizes", self.applied.len())?;
-        record.all_finite("size", &mut self.applied)?;
-        record.finite("airspeed", &mut self.airspeed)?;
-        record.flag("drag of the air", &mut self.air)?;
+        record.length("sizes", self.applied.sizes.len())?;
+        record.all_finite("size", &mut self.applied.sizes)?;
+        record.finite("airspeed", &mut self.applied.airspeed)?;
+        record.flag("drag of the air", &mut self.applied.air)?;
         record.finite("energy", &mut self.reference)?;
         self.time.record(record)?;
         record.length("stops", self.impacts.len())?;
@@ -172,12 +193,9 @@ impl SavedState {
                 self.revolutions
             ));
         }
-        let loading = reduced.loading();
-        if (self.air && loading.air.is_none()) || (!self.air && blows(reduced, self.airspeed)) {
-            return refuse(format!(
-                "drag of the air = {}: this value does not agree with the airspeed {}",
-                self.air, self.airspeed
-            ));
+        let (loading, Applied { sizes, air, airspeed, .. }) = (reduced.loading(), &self.applied);
+        if (*air && loading.air.is_none()) || (!air && blows(reduced, *airspeed)) {
+            return refuse(format!("drag of the air = {air}: this value does not agree with the airspeed {airspeed}"));
         }
         for (end, rigid) in self.travel.stops() {
             if loading.stops.get(end).is_none_or(|stop| !stop.enabled || rigid && !stop.rigid) {
@@ -198,7 +216,7 @@ impl SavedState {
         if !touching.is_below(bumpers) {
             return refuse(format!("index of a bumper in contact: must be below {bumpers}"));
         }
-        let constants = &self.applied[loading.inputs.len()..];
+        let constants = &sizes[loading.inputs.len()..];
         if constants.iter().zip(&loading.constants).any(|(a, b)| a.to_bits() != b.to_bits()) {
             return refuse("the saved constant loads do not agree with the saved parameters".into());
         }

@@ -15,7 +15,6 @@ use crate::mechanism::definition::Solver;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{blows_under, state_loads};
 use crate::mechanism::motion::advance::{Advance, Progress, Stopped};
@@ -24,7 +23,8 @@ use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::hydraulic_motion::Driven;
 use crate::mechanism::motion::memory::Memory;
-use crate::mechanism::motion::saved::SavedState;
+use crate::mechanism::motion::saved::{Applied, SavedState};
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::travel::AT_STOP;
 use crate::mechanism::motion::witness::{What, Witness};
 use crate::mechanism::reduced::{End, Reduced, StateLoads};
@@ -40,7 +40,7 @@ use std::ops::{Deref, DerefMut};
 #[derive(Clone, Debug)]
 pub struct State {
     /// The part that decides how the state continues.
-    pub saved: SavedState,
+    saved: Counted,
     /// What the last inputs have replaced, for a step that fails.
     before: Before,
     /// Right-hand side for the applied sizes, for the integration.
@@ -56,13 +56,39 @@ pub struct State {
 impl Deref for State {
     type Target = SavedState;
 
+    #[inline(always)]
     fn deref(&self) -> &SavedState {
         &self.saved
     }
 }
 
 impl DerefMut for State {
+    #[inline(always)]
     fn deref_mut(&mut self) -> &mut SavedState {
+        &mut self.saved
+    }
+}
+
+/// A saved state, with the number of accesses to change it.
+#[derive(Clone, Debug, Default)]
+struct Counted {
+    saved: SavedState,
+    accesses: u64,
+}
+
+impl Deref for Counted {
+    type Target = SavedState;
+
+    #[inline(always)]
+    fn deref(&self) -> &SavedState {
+        &self.saved
+    }
+}
+
+impl DerefMut for Counted {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut SavedState {
+        self.accesses += 1;
         &mut self.saved
     }
 }
@@ -136,8 +162,15 @@ impl State {
         let reduced = reduced.at(saved.sigma);
         state_loads(reduced, blows_under(reduced, inputs), saved.revolutions)?;
         let scratch = Scratch::new(saved.state_loads(reduced)?);
-        let (witness, before) = (Witness::new(saved.impacts.len()), Before::new(&saved.applied));
-        Ok(Self { saved: saved.clone(), before, scratch, witness, rates: rates(reduced), is_retuned: false })
+        let before = Before { applied: saved.applied.clone(), ..Before::default() };
+        let (witness, saved) = (Witness::new(saved.impacts.len()), Counted { saved: saved.clone(), accesses: 0 });
+        Ok(Self { saved, before, scratch, witness, rates: rates(reduced), is_retuned: false })
+    }
+
+    /// Number of this state: each change gives another one.
+    #[inline(always)]
+    pub fn version(&self) -> u64 {
+        self.saved.accesses
     }
 
     /// [`Self::from_saved`] in place, with the same reduced model; without allocation unless air has begun or ceased to
@@ -147,12 +180,10 @@ impl State {
     /// As [`Self::from_saved`]; nothing has changed.
     #[inline]
     pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
-        if saved.air != self.scratch.air {
+        if saved.applied.air != self.scratch.air {
             self.renew_scratch(saved.state_loads(reduced)?);
         }
-        if self.saved.copy_from(saved) {
-            self.scratch.panel_force.invalidate();
-        }
+        self.saved.copy_from(saved);
         Ok(())
     }
 
@@ -184,7 +215,7 @@ impl State {
             return self.step_prescribed(reduced, inputs, h, solver);
         }
         let ahead = inputs.signal.ahead;
-        let in_force = self.in_force.filter(|_| !ahead);
+        let in_force = self.applied.in_force(inputs);
         if let Some(locked) = in_force
             && let Some((y, lost)) = self.read_ahead(locked, h, solver.tolerance)
         {
@@ -201,14 +232,13 @@ impl State {
             None => self.apply(reduced, inputs, h)?,
         };
         let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
-        self.share(reduced, known);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
-        let SavedState { sigma, sigma_dot, contact, .. } = self.saved;
+        let SavedState { sigma, sigma_dot, contact, .. } = *self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
-        let advanced = self.advance((reduced, state_loads), (inputs, locked), h, solver, &mut arrival);
+        let advanced = self.advance((reduced, state_loads), (inputs, locked), (h, solver, known), &mut arrival);
         self.scratch.evaluator.end_step();
         if ahead {
-            self.right_hand_side_changed();
+            self.memory.drop_outdated(Outdated::Law);
         }
         let error = match advanced {
             Ok(()) => match self.arrive(reduced, &arrival) {
@@ -249,7 +279,8 @@ impl State {
     /// integration that goes on beyond the present: what [`Advance::run`] finds without anything around it.
     #[inline(always)]
     fn read_ahead(&mut self, locked: EngagedLocks, h: f64, tolerance: f64) -> Option<([f64; 2], f64)> {
-        let SavedState { memory, contact, .. } = &mut self.saved;
+        // The step that follows counts as the access.
+        let SavedState { memory, contact, .. } = &mut self.saved.saved;
         if contact.at_rest().is_some() || contact.arrival().is_some() {
             return None;
         }
@@ -281,32 +312,22 @@ impl State {
         &mut self,
         (whole, state_loads): (&Reduced, Option<&StateLoads>),
         (inputs, locked): (&Inputs, EngagedLocks),
-        h: f64,
-        solver: &Solver,
+        (h, solver, known): (f64, &Solver, &Scratch),
         Arrival { y, lost, contact, passed }: &mut Arrival,
     ) -> Result<(), Stopped> {
         let reduced = whole.at(self.sigma);
         let Self { saved, scratch, witness, .. } = self;
-        let SavedState { airspeed, revolutions, .. } = *saved;
-        let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
+        let SavedState { sigma, applied, memory, travel, revolutions, prescribed, .. } = &mut **saved;
+        let ends = &Ends::new(travel, shift(reduced, *revolutions), locked);
         set_locks(contact, ends, 0.0, witness);
-        let sizes = &saved.applied;
-        let applied = AppliedLoads { sizes, airspeed, revolutions, change: inputs.change(reduced) };
-        let mode = Mode::default();
-        let dynamics = &mut EquationOfMotion {
-            whole,
-            reduced,
-            state_loads,
-            applied,
-            time: 0.0,
-            mode,
-            scratch,
-            locked: false,
-            ports: None,
-            network: None,
-        };
+        let Applied { version, ref sizes, airspeed, .. } = *applied;
+        let loads =
+            AppliedLoads { version, sizes, airspeed, revolutions: *revolutions, change: inputs.change(reduced) };
+        let known = Some(known).filter(|known| prescribed.is_none() && known.air == scratch.air);
+        let dynamics = &mut EquationOfMotion::new(whole, (reduced, state_loads), loads, scratch);
+        dynamics.scratch.panel_force.share(known.map(|known| &known.panel_force), *sigma);
         let (tolerance, max_steps) = (solver.tolerance, solver.most_steps());
-        match &mut saved.memory {
+        match memory {
             Memory::Conservative(integrator, lookahead) => {
                 if lookahead.begin(tolerance, locked) {
                     integrator.branch_off();
@@ -350,9 +371,7 @@ impl State {
                 let driven = Driven { dynamics, ends, contact, witness, tolerance, inputs };
                 let (impacts, z, now_locked) = motion.run(driven, *y, h, max_steps);
                 (*y, *lost) = ([z[0], z[1]], z[2]);
-                if now_locked != locked {
-                    saved.in_force = None;
-                }
+                applied.locked = now_locked;
                 *lost += impacts?;
                 Ok(())
             }
@@ -363,10 +382,11 @@ impl State {
     /// counts.
     #[inline(always)]
     pub fn pass(&mut self, point: Option<f64>, h: f64) {
-        let Self { saved, witness, .. } = self;
-        if saved.travel.is_empty() {
+        if self.travel.is_empty() {
             return;
         }
+        // The step before has counted as the access.
+        let Self { saved: Counted { saved, .. }, witness, .. } = self;
         if let Some(point) = point {
             saved.time = Elapsed::at(point);
         }
@@ -378,21 +398,6 @@ impl State {
     pub fn prepare(&mut self, reduced: &Reduced) {
         let state_loads = self.state_loads(reduced).ok().flatten();
         self.scratch.panel_force.prepare(reduced.at(self.sigma), state_loads);
-    }
-
-    /// The whole revolutions before sigma are others: what was counted on over them no longer holds.
-    pub fn recount(&mut self) {
-        self.memory.recount();
-        self.scratch.panel_force.invalidate();
-    }
-
-    /// Sizes or rates of loads are others than those of the last evaluation.
-    fn right_hand_side_changed(&mut self) {
-        self.memory.refresh();
-        self.scratch.panel_force.invalidate();
-        if let Some(prescribed) = &mut self.saved.prescribed {
-            prescribed.ahead = None;
-        }
     }
 
     /// The places of the stops in the frame of sigma, and where locks are engaged.

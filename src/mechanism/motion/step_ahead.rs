@@ -14,6 +14,17 @@ const FEWEST_UNCHANGED: u32 = 2;
 /// Each wasted step doubles that number, up to this one.
 const MOST_UNCHANGED: u32 = 128;
 
+/// What is another one than in the last step of an integration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outdated {
+    /// The state, by a jump: of the memory the statistics remain.
+    State,
+    /// The right-hand side.
+    Law,
+    /// The revolution from which sigma is counted.
+    Count,
+}
+
 /// A step that goes on beyond the present.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StepAhead<const N: usize> {

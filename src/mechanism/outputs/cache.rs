@@ -42,8 +42,8 @@ pub struct OutputCache<N: Differentiable> {
     pub shares: Shares<N>,
     /// Reactions that have no table.
     pub exact: ExactReactions,
-    /// Flows of the network, with room for them where there is one, and whether they are those of this state.
-    pub network: Option<(Box<Present<N>>, bool)>,
+    /// Flows of the network, with room for them where there is one, and the version for which they were evaluated.
+    pub network: Option<(Box<Present<N>>, u64)>,
     /// Evaluations since the start.
     pub computed: Computed,
     /// Scratch of the equation of motion.
@@ -130,17 +130,10 @@ impl<N: Differentiable> OutputCache<N> {
             transmitted: vec![(0, N::constant(0.0)); reduced.loading().meshes.len()],
             shares: Shares { given: Vec::new(), state: Vec::new(), acts: false, version: 0 },
             exact: ExactReactions::default(),
-            network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), false)),
+            network: reduced.loading().network.as_ref().map(|_| (Box::new(Present::nothing()), 0)),
             computed: Computed::default(),
             scratch: Scratch::new(state_loads),
         }
-    }
-
-    /// The state is at the start.
-    pub fn begin(&mut self) {
-        self.computed = Computed::default();
-        self.scratch.panel_force.invalidate();
-        self.invalidate();
     }
 
     /// The state, an input or the direction has changed.
@@ -148,9 +141,6 @@ impl<N: Differentiable> OutputCache<N> {
     pub fn invalidate(&mut self) {
         (self.forces, self.drive) = (None, None);
         self.version += 1;
-        if let Some((_, is_known)) = &mut self.network {
-            *is_known = false;
-        }
     }
 }
 
@@ -250,19 +240,29 @@ impl PresentLoads {
         self.undriven.as_ref().map_or(Ok(()), |error| Err(error.clone()))
     }
 
-    /// A load has another size. Terms of the reactions are others only if the load starts or ceases to act, or if they
-    /// include the sum of many loads.
-    pub fn set(&mut self, load: usize, size: f64) {
-        let acted = std::mem::replace(&mut self.sizes[load], size) != 0.0;
-        if acted != (size != 0.0) || self.acting.len() > MOST_TERMS {
-            self.invalidate();
+    /// The first loads have these sizes.
+    #[inline]
+    pub fn set_first(&mut self, sizes: &[f64]) {
+        for (load, size) in sizes.iter().enumerate() {
+            if self.sizes[load].to_bits() != size.to_bits() {
+                self.set(load, *size);
+            }
         }
     }
 
-    /// The sizes have changed: other applied loads may act.
-    pub fn invalidate(&mut self) {
-        self.knows_acting = false;
-        self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
+    /// A load has this size; returns whether it had another one. Terms of the reactions are others only if the load
+    /// starts or ceases to act, or if they include the sum of many loads.
+    pub fn set(&mut self, load: usize, size: f64) -> bool {
+        let before = self.sizes[load];
+        if before.to_bits() == size.to_bits() {
+            return false;
+        }
+        self.sizes[load] = size;
+        if (before != 0.0) != (size != 0.0) || self.acting.len() > MOST_TERMS {
+            self.knows_acting = false;
+            self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
+        }
+        true
     }
 }
 

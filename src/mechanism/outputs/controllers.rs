@@ -60,7 +60,7 @@ impl ReducedMotion {
         let loading = reduced.loading();
         let all = loading.control_states().enumerate();
         for (index, (drive, _)) in all.filter(|(k, (_, state))| *state == ControlState::Force && starts(*k)) {
-            let mut view = self.plain_view(reduced, inputs);
+            let mut view = self.view(reduced, inputs);
             let (Ok(x), Ok(speed)) = (view.displacement(drive, 0), view.displacement(drive, 1)) else {
                 let name = format!("{}.acting_force", loading.drives[drive].name);
                 return Err(ModelError::Table { name, position: "its start".into() });
@@ -70,7 +70,6 @@ impl ReducedMotion {
             states[index] = force.unwrap_or(0.0);
         }
         self.state.memory.set_controllers(&states);
-        self.invalidate(self.state.revolutions);
         Ok(())
     }
 }

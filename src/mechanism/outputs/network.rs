@@ -49,15 +49,16 @@ impl<'a, N: Reading> View<'a, N> {
             }
             return Ok(sum);
         }
-        if !self.cache.network.as_ref().is_some_and(|(_, is_known)| *is_known) {
+        let version = self.cache.version;
+        if self.cache.network.as_ref().is_none_or(|(_, of)| *of != version) {
             let motions = self.motions(drives)?;
             let direction = &self.cache.direction;
             let of = |k: usize| direction.s.chain(state.values[k], direction.circuit[k]);
             let components = (0..laws.layout.components()).map(of);
             let inputs = (0..laws.layout.flow_inputs()).map(|index| self.network_input(drives, index));
             let present = Present::new(laws, components, inputs, motions);
-            if let Some((room, is_known)) = &mut self.cache.network {
-                (**room, *is_known) = (present, true);
+            if let Some((room, of)) = &mut self.cache.network {
+                (**room, *of) = (present, version);
             }
         }
         let start_volume = state.values[laws.layout.components()];

@@ -13,12 +13,12 @@ use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::state_loads_under;
 use crate::mechanism::motion::fast_forward::Waypoint;
 use crate::mechanism::motion::state::{Reached, Start, State};
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::outputs::cache::{Computed, Direction, OutputCache, PARTS, PresentLoads, of_state};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate};
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::bits::become_same;
 use crate::numerics::dual::Dual;
 use driven::Driven;
 pub use together::Outputs;
@@ -27,8 +27,9 @@ use together::value_of;
 /// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]
 pub struct ReducedMotion {
-    /// Changed by the methods below only, which keep the caches up to date.
     pub state: State,
+    /// Versions of the inputs and of the state to which the caches below belong.
+    seen: (u64, u64),
     pub(super) loads: PresentLoads,
     /// Cache of the values.
     pub(super) cache: OutputCache<f64>,
@@ -67,9 +68,7 @@ impl ReducedMotion {
         inputs: &Inputs,
     ) -> Result<(), ModelError> {
         self.state.put_at_start(start, reduced, mechanism, inputs)?;
-        self.set_sizes(&inputs.reals[..reduced.loading().inputs.len()]);
-        self.cache.begin();
-        self.unsettle();
+        self.cache.computed = Computed::default();
         self.follow_at_start(reduced, mechanism, inputs)
     }
 
@@ -99,18 +98,13 @@ impl ReducedMotion {
         Ok(Self::new(self.state.retuned(reduced, inputs, reference)?, reduced, inputs))
     }
 
-    /// Book work from outside [J].
-    pub fn book(&mut self, work: f64) {
-        self.state.saved.reference += work;
-        self.cache.invalidate();
-    }
-
     fn new(state: State, reduced: &Reduced, inputs: &Inputs) -> Self {
         // Tables that can't be built are reported by the state before, or by the outputs that need them.
         let state_loads = state_loads_under(reduced, inputs).ok().flatten();
         let driven = reduced.loading().motion.as_ref().map(|_| Box::new(Driven::new(&state)));
         Self {
             state,
+            seen: (0, 0),
             loads: PresentLoads::new(reduced.sizes(&inputs.reals), reduced.linkage().joints.len()),
             cache: OutputCache::new(reduced, state_loads, Direction::new(0.0, 0)),
             sensitivity: None,
@@ -131,45 +125,22 @@ impl ReducedMotion {
         h: f64,
         solver: &Solver,
     ) -> Result<Reached, ModelError> {
-        let revolutions = self.state.revolutions;
-        match self.state.step(reduced, inputs, (h, solver), &self.cache.scratch) {
-            Ok(reached) => {
-                self.state.pass(point, reached.time(h));
-                self.invalidate(revolutions);
-                Ok(reached)
-            }
-            Err(error) => {
-                if let ModelError::Interrupted { time, .. } = error {
-                    self.state.pass(point, time);
-                }
-                self.invalidate(revolutions);
-                Err(error)
-            }
+        let stepped = self.state.step(reduced, inputs, (h, solver), &self.cache.scratch);
+        match &stepped {
+            Ok(reached) => self.state.pass(point, reached.time(h)),
+            Err(ModelError::Interrupted { time, .. }) => self.state.pass(point, *time),
+            Err(_) => {}
         }
+        stepped
     }
 
-    /// [`Self::from_saved`] in place, with the same reduced model; `inputs` if they are not the present ones.
+    /// [`Self::from_saved`] in place, with the same reduced model.
     ///
     /// # Errors
     /// As [`State::restore`]; nothing has changed.
     #[inline]
-    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced, inputs: Option<&[f64]>) -> Result<(), ModelError> {
-        let revolutions = self.state.revolutions;
-        self.state.restore(saved, reduced)?;
-        if let Some(inputs) = inputs {
-            self.set_sizes(&inputs[..reduced.loading().inputs.len()]);
-        }
-        self.invalidate(revolutions);
-        Ok(())
-    }
-
-    /// The loads that inputs size have these sizes.
-    #[inline]
-    fn set_sizes(&mut self, sizes: &[f64]) {
-        if become_same(&mut self.loads.sizes[..sizes.len()], sizes) {
-            self.loads.invalidate();
-            self.cache.scratch.panel_force.invalidate();
-        }
+    pub fn restore(&mut self, saved: &SavedState, reduced: &Reduced) -> Result<(), ModelError> {
+        self.state.restore(saved, reduced)
     }
 
     /// From the start to a state on the way, in the host's time from `point` [s] on.
@@ -177,10 +148,8 @@ impl ReducedMotion {
     /// # Errors
     /// As [`State::go_to`].
     pub fn go_to(&mut self, point: f64, reduced: &Reduced, waypoint: &Waypoint) -> Result<(), ModelError> {
-        let revolutions = self.state.revolutions;
         self.state.go_to(reduced, waypoint)?;
         self.state.pass(Some(point), waypoint.time);
-        self.invalidate(revolutions);
         Ok(())
     }
 
@@ -189,44 +158,25 @@ impl ReducedMotion {
         let before = self.state.revolutions;
         (self.state.sigma, self.state.sigma_dot, self.state.revolutions) = (sigma, sigma_dot, revolutions);
         if revolutions != before {
-            self.state.recount();
+            self.state.memory.drop_outdated(Outdated::Count);
         }
-        self.invalidate(before);
     }
 
-    /// A Real input has changed. `loads` is the number of inputs that size loads; they come first.
-    pub fn set_input(&mut self, input: usize, loads: usize, value: f64) {
-        if input < loads {
-            self.set_size(input, value);
+    /// The caches become those of the present state and inputs.
+    #[inline(always)]
+    pub(super) fn sync(&mut self, reduced: &Reduced, inputs: &Inputs) {
+        let present = (inputs.version(), self.state.version());
+        if self.seen == present {
+            return;
         }
-        self.inputs_changed();
-    }
-
-    /// A Boolean input, or the rate of the airspeed, has changed.
-    pub fn set_lock(&mut self) {
-        self.inputs_changed();
-    }
-
-    fn inputs_changed(&mut self) {
-        self.unsettle();
+        if self.seen.0 != present.0 {
+            self.loads.set_first(&inputs.reals[..reduced.loading().inputs.len()]);
+        }
+        self.seen = present;
         self.cache.invalidate();
-        self.state.inputs_changed();
-    }
-
-    /// A load has this size.
-    pub(super) fn set_size(&mut self, load: usize, size: f64) {
-        self.loads.set(load, size);
-        self.cache.scratch.panel_force.invalidate();
-    }
-
-    /// The state has changed, from one after so many whole revolutions.
-    #[inline]
-    pub(super) fn invalidate(&mut self, revolutions: f64) {
-        if revolutions != self.state.revolutions {
-            self.cache.scratch.panel_force.invalidate();
+        if self.driven.is_some() {
+            self.settle(reduced, inputs);
         }
-        self.unsettle();
-        self.cache.invalidate();
     }
 
     /// What `read` finds in the present state under these inputs.
@@ -279,7 +229,7 @@ impl ReducedMotion {
             _ = self.output(reduced, inputs, output);
             _ = self.derivative(reduced, inputs, output);
         }
-        self.cache.begin();
+        self.cache.computed = Computed::default();
     }
 
     /// Stiffness and damping of small motions, as [`Kinematics::small_motion`].
@@ -292,13 +242,11 @@ impl ReducedMotion {
 
     #[inline]
     pub(super) fn view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
-        if self.driven.is_some() {
-            self.settle(reduced, inputs);
-        }
+        self.sync(reduced, inputs);
         self.plain_view(reduced, inputs)
     }
 
-    /// [`Self::view`] of a state and loads that are settled.
+    /// [`Self::view`] without a look at the versions.
     #[inline]
     pub(super) fn plain_view<'a>(&'a mut self, reduced: &'a Reduced, inputs: &'a Inputs) -> View<'a, f64> {
         let Self { state, loads, cache, driven, .. } = self;
@@ -365,16 +313,13 @@ impl ReducedMotion {
 
     /// The direction, to be changed.
     pub(super) fn direction(&mut self, reduced: &Reduced, inputs: &Inputs) -> &mut Direction<Dual<1>> {
-        if self.driven.is_some() {
-            self.settle(reduced, inputs);
-        }
+        self.sync(reduced, inputs);
         let sensitivity = self.sensitivity.get_or_insert_with(|| {
             let state_loads = state_loads_under(reduced, inputs).ok().flatten();
             let direction = Direction::new(Dual::variable(0.0, 0), inputs.reals.len());
             Box::new(OutputCache::new(reduced, state_loads, direction))
         });
         sensitivity.invalidate();
-        sensitivity.scratch.panel_force.invalidate();
         &mut sensitivity.direction
     }
 
@@ -423,7 +368,7 @@ impl ReducedMotion {
         reduced: &'a Reduced,
         inputs: &'a Inputs,
     ) -> Option<View<'a, Dual<1>>> {
-        let Self { state, loads, cache: values, sensitivity, driven } = self;
+        let Self { state, loads, cache: values, sensitivity, driven, .. } = self;
         let state = driven.as_deref().and_then(Driven::shown).unwrap_or(state);
         let cache = sensitivity.as_deref_mut()?;
         Some(View { reduced: reduced.at(state.sigma), inputs, state, loads, cache, values })

@@ -7,7 +7,6 @@ use crate::mechanism::definition::ControlState;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::linkage::Kind;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
@@ -63,7 +62,7 @@ impl Reading for f64 {
 
     #[inline(always)]
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
-        let SavedState { sigma, sigma_dot, contact, .. } = view.state.saved;
+        let SavedState { sigma, sigma_dot, contact, .. } = **view.state;
         let (state, reduced, locks) = (view.state, view.reduced, &view.inputs.locks);
         let mut motion = view.equation()?;
         let free = motion.settle(sigma, sigma_dot)?;
@@ -126,17 +125,17 @@ impl<'a, N: Reading> View<'a, N> {
             self.cache.forces = None;
         }
         let controllers = self.controllers();
-        let OutputCache { scratch, direction, .. } = &mut *self.cache;
+        let OutputCache { scratch, direction, version, .. } = &mut *self.cache;
         if state_loads.is_some_and(|s| s.air) != scratch.air {
             *scratch = Scratch::new(state_loads);
         }
         let applied = AppliedLoads {
+            version: if N::CARRIES { *version } else { inputs.version() },
             sizes: &self.loads.sizes,
             airspeed: airspeed(reduced, inputs),
             revolutions: state.revolutions,
             change: direction.change(reduced.loading()),
         };
-        let mode = Mode { touching: state.contact.touching(), ..Mode::default() };
         if let Some(circuit) = state.memory.circuit() {
             let [a, b] = circuit.pressures();
             let pressures = [(a, direction.circuit[0]), (b, direction.circuit[1])];
@@ -153,9 +152,10 @@ impl<'a, N: Reading> View<'a, N> {
             scratch.set_controllers(controllers);
         }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
-        scratch.panel_force.share(of_step, reduced.stretch, state.sigma);
-        let (whole, time, locked, ports, network) = (reduced, direction.s, false, None, None);
-        Ok(EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network })
+        let mut equation = EquationOfMotion::new(reduced, (reduced, state_loads), applied, scratch);
+        equation.scratch.panel_force.share(of_step, state.sigma);
+        (equation.time, equation.mode.touching) = (direction.s, state.contact.touching());
+        Ok(equation)
     }
 
     /// Forces and acceleration; evaluated once for a state.

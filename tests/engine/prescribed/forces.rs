@@ -140,6 +140,21 @@ fn each_output_has_its_exact_derivatives_by_the_motion() {
     }
 }
 
+/// Also where the outputs were read before the jerk was set, and where the jerk ends as the acceleration is set.
+#[test]
+fn the_rate_of_the_force_follows_the_jerk_of_the_inputs() {
+    let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
+    lift.set("winch.motion.acceleration", 1.0);
+    is_close(lift.get("winch.acting_force"), MASS * (G + 1.0), 1e-12);
+    lift.set_derivative("winch.motion.acceleration", 1, 7.0);
+    is_close(lift.derivative("winch.acting_force"), MASS * 7.0, 1e-12);
+    lift.step(0.01);
+    is_close(lift.derivative("winch.acting_force"), MASS * 7.0, 1e-12);
+    let acceleration = lift.get("winch.motion.acceleration");
+    lift.set("winch.motion.acceleration", acceleration);
+    is_close(lift.derivative("winch.acting_force"), 0.0, 1e-12);
+}
+
 #[test]
 fn bumpers_and_springs_are_in_the_force_and_in_the_balance() {
     let motion = json!({ "profile": "polynomial_345", "duration": 1, "distance": 0.6 });

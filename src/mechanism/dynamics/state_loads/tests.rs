@@ -1,6 +1,5 @@
 //! The gear's friction loop at random states: how far it converges, and how fast.
 #![allow(clippy::unwrap_used)]
-use super::Mode;
 use crate::mechanism::GEAR;
 use crate::mechanism::definition::Mechanism;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
@@ -36,9 +35,8 @@ proptest! {
         let mut sizes = vec![0.0; reduced.components().sized];
         (sizes[0], sizes[1]) = (force, factor);
         let mut scratch = Scratch::new(Some(state_loads));
-        let applied = AppliedLoads { sizes: &sizes, airspeed: 0.0, revolutions: 0.0, change: None };
-        let mut motion = EquationOfMotion { whole: reduced, reduced, state_loads: Some(state_loads), applied,
-            time: 0.0, mode: Mode::default(), scratch: &mut scratch, locked: false, ports: None, network: None };
+        let applied = AppliedLoads { version: 0, sizes: &sizes, airspeed: 0.0, revolutions: 0.0, change: None };
+        let mut motion = EquationOfMotion::new(reduced, (reduced, Some(state_loads)), applied, &mut scratch);
         motion.effect(sigma, sigma_dot).unwrap();
         let evaluator = &motion.scratch.evaluator;
         let (friction, n) = (&evaluator.friction, state_loads.friction_joints.len());

@@ -49,7 +49,7 @@ impl Model {
             (Some(kink), Some(profile)) => profile.just_before(kink.since),
             _ => event.since + (time - event.time),
         };
-        motion.set_time(since);
+        motion.state.set_time(since);
     }
 
     /// Time of the next kink of a prescribed motion [s]; none if none follows.
@@ -105,7 +105,7 @@ impl Model {
             None if was_active => before.time.now,
             None => 0.0,
         };
-        motion.set_time(since);
+        motion.state.set_time(since);
         motion.adopt(reduced, &self.inputs);
         let event = Instant { time, since };
         exchange.event = Some(event);

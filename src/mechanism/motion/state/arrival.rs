@@ -9,6 +9,7 @@ use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::Contact;
 use crate::mechanism::motion::fast_forward::Waypoint;
 use crate::mechanism::motion::saved::MOST_REVOLUTIONS;
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::work::Spent;
 use crate::mechanism::reduced::{End, Reduced, ReductionError};
 use crate::numerics::table::Unresolved;
@@ -63,8 +64,9 @@ impl State {
         if passed != 0.0 || !(first..last).contains(&y[0]) {
             y[0] = self.count_revolutions(reduced, y[0], passed)?;
         }
-        [self.sigma, self.sigma_dot] = y;
-        self.reference -= lost;
+        let saved = &mut *self.saved;
+        [saved.sigma, saved.sigma_dot] = y;
+        saved.reference -= lost;
         Ok(())
     }
 
@@ -89,7 +91,7 @@ impl State {
             let (position, what) = (stretch.curve().describe(at.sigma, 0.0), "friction".into());
             ModelError::travel((stretch, End::Failed(&ReductionError::Table { what, position })), sigma)
         };
-        stretch.state_loads(self.air).map_err(failed).map(|_| ())
+        stretch.state_loads(self.applied.air).map_err(failed).map(|_| ())
     }
 
     /// sigma within the first revolution of a closed curve, with the others counted.
@@ -110,8 +112,8 @@ impl State {
         let shift = self.revolutions * period;
         let place = self.travel.places().find(|(_, position)| position - shift == sigma);
         self.revolutions = all;
-        // The panel in use and a step ahead are counted on over whole revolutions, but sigma is not any more.
-        self.recount();
+        // A step ahead is counted on over whole revolutions, but sigma is not any more.
+        self.memory.drop_outdated(Outdated::Count);
         Ok(match place {
             // At a stop before, at the stop after: what is at a place is known by equal numbers.
             Some((_, position)) => position - all * period,

@@ -21,10 +21,11 @@ use crate::mechanism::motion::contact::EngagedLocks;
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::hydraulic_motion::{Driven, HydraulicMotion};
-use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory, recount, refresh, restart};
+use crate::mechanism::motion::memory::{CircuitState, HydraulicMemory, Memory, drop_outdated};
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
-use crate::numerics::bits::same_bits;
+use crate::numerics::bits::become_same;
 use crate::numerics::decimal::Decimal;
 use std::any::Any;
 use std::sync::OnceLock;
@@ -105,12 +106,8 @@ where
         // Controllers have no inputs but those that size loads.
         let first = dynamics.whole.loading().first_port().unwrap_or(0);
         let now = &inputs.reals[first..first + ports.len()];
-        if !same_bits(ports, now) {
-            ports.copy_from_slice(now);
-            if lookahead.invalidate() {
-                integrator.branch_off();
-            }
-            integrator.refresh();
+        if become_same(ports, now) {
+            drop_outdated(integrator, lookahead, Outdated::Law);
         }
         if dynamics.begin(inputs, circuit.time.now, h).is_none() {
             return (Err(Stopped::Length), start, ends.locked);
@@ -169,16 +166,8 @@ where
         self.lookahead.step_ahead.as_ref()?.event
     }
 
-    fn restart(&mut self) {
-        restart(&mut self.integrator, &mut self.lookahead);
-    }
-
-    fn recount(&mut self) {
-        recount(&mut self.integrator, &mut self.lookahead);
-    }
-
-    fn refresh(&mut self) {
-        refresh(&mut self.integrator, &mut self.lookahead);
+    fn drop_outdated(&mut self, outdated: Outdated) {
+        drop_outdated(&mut self.integrator, &mut self.lookahead, outdated);
     }
 
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {

@@ -15,7 +15,7 @@ impl State {
     pub fn load_potential(&self, reduced: &Reduced, mut displacement: impl FnMut(usize) -> f64) -> f64 {
         let springs = reduced.loading().springs.iter();
         let mut sum = springs.fold(0.0, |sum, spring| sum + spring.energy(displacement(spring.load)));
-        for (load, size) in self.applied.iter().enumerate().filter(|(_, size)| **size != 0.0) {
+        for (load, size) in self.applied.sizes.iter().enumerate().filter(|(_, size)| **size != 0.0) {
             if !reduced.loading().is_command(load) {
                 sum -= size * displacement(load);
             }

@@ -9,11 +9,12 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
 use crate::mechanism::motion::prescribed::PrescribedState;
+use crate::mechanism::motion::saved::Applied;
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::travel::grips;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
@@ -21,28 +22,13 @@ use std::sync::Arc;
 /// Largest size of an input whose loads are taken not to overflow. The loads of a larger one are tried before a step.
 const LARGE: f64 = 1e100;
 
-/// Loads and energy before inputs were applied.
+/// The inputs applied before, with the energy.
 #[derive(Clone, Debug, Default)]
 pub struct Before {
-    /// Sizes of the loads.
-    sizes: Vec<f64>,
-    airspeed: f64,
-    air: bool,
-    reference: f64,
+    pub(super) applied: Applied,
+    pub(super) reference: f64,
     /// The prescribed motion, with the contact; none where no drive has a motion.
-    prescribed: Option<(Option<PrescribedState>, Contact)>,
-}
-
-impl Before {
-    /// Nothing replaced yet, with as many sizes as these.
-    pub fn new(sizes: &[f64]) -> Self {
-        Self { sizes: sizes.to_vec(), ..Self::default() }
-    }
-
-    /// As many sizes as this.
-    pub fn resize(&mut self, sizes: usize) {
-        self.sizes.resize(sizes, 0.0);
-    }
+    pub(super) prescribed: Option<(Option<PrescribedState>, Contact)>,
 }
 
 /// Whether a lock is engaged: as its input states, and, where a pressure lock of the network operates it, as that does.
@@ -80,7 +66,7 @@ impl State {
     /// [`ModelError::Table`]: a reaction that causes friction is not smooth.
     pub fn retuned(&self, reduced: &Reduced, inputs: &Inputs, reference: f64) -> Result<Self, ModelError> {
         let mut saved = self.saved.clone();
-        (saved.in_force, saved.reference) = (None, reference);
+        (saved.applied.version, saved.reference) = (0, reference);
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
@@ -92,25 +78,11 @@ impl State {
         Self::from_saved(&saved, reduced, inputs)
     }
 
-    /// An input or a lock has changed: the inputs are applied with the next step.
-    #[inline]
-    pub fn inputs_changed(&mut self) {
-        self.saved.in_force = None;
-    }
-
-    /// The applied loads on the panel of the last step, if its inputs are in force and do not change with time.
-    /// `air`: whether moving air is to be among the loads that the state decides.
+    /// The applied loads on the panel of the last step, if no drive has a motion. `air`: whether moving air is to be
+    /// among the loads that the state decides.
     #[inline]
     pub fn panel_force(&self, air: bool) -> Option<&PanelForce> {
-        let is_known = self.in_force.is_some() && self.prescribed.is_none() && self.scratch.air == air;
-        is_known.then_some(&self.scratch.panel_force)
-    }
-
-    /// Take over for the next step what outputs have evaluated last, under the same conditions.
-    #[inline(always)]
-    pub(super) fn share(&mut self, reduced: &Reduced, known: &Scratch) {
-        let panel_force = self.panel_force(known.air).map(|_| &known.panel_force);
-        self.scratch.panel_force.share(panel_force, reduced.at(self.saved.sigma).stretch, self.saved.sigma);
+        (self.prescribed.is_none() && self.scratch.air == air).then_some(&self.scratch.panel_force)
     }
 
     /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a
@@ -130,16 +102,17 @@ impl State {
         let size = |load: usize, input: f64| if driven == Some(load) { 0.0 } else { input };
         for (load, input) in inputs.reals[..loads].iter().enumerate() {
             let input = &size(load, *input);
-            if self.applied[load].to_bits() != input.to_bits() {
+            let before = self.applied.sizes[load];
+            if before.to_bits() != input.to_bits() {
                 if !reduced.loading().is_command(load) {
-                    work -= (input - self.applied[load]) * self.displacement(reduced, load);
+                    work -= (input - before) * self.displacement(reduced, load);
                 }
                 largest = largest.max(input.abs());
                 changed = true;
             }
         }
         let airspeed = airspeed(reduced, inputs);
-        if airspeed.to_bits() != self.airspeed.to_bits() {
+        if airspeed.to_bits() != self.applied.airspeed.to_bits() {
             largest = largest.max(airspeed.abs());
             changed = true;
         }
@@ -150,32 +123,35 @@ impl State {
             self.try_loads((reduced, state_loads), inputs, h, work)?;
         }
         if self.renew_scratch(state_loads) {
-            self.memory.restart();
+            self.memory.drop_outdated(Outdated::State);
         }
         self.memory.set_dissipation(state_loads.is_some() || ahead);
         let Self { saved, before, .. } = self;
-        before.sizes.copy_from_slice(&saved.applied);
-        (before.airspeed, before.air, before.reference) = (saved.airspeed, saved.air, saved.reference);
+        let saved = &mut **saved;
+        before.applied.copy_from(&saved.applied);
+        before.reference = saved.reference;
         if saved.prescribed.is_some() {
             before.prescribed = Some((saved.prescribed, saved.contact));
         }
-        (saved.airspeed, saved.air) = (airspeed, air);
+        let locked = engaged_locks(&saved.travel, reduced, &inputs.locks, saved.memory.network_values());
+        let applied = &mut saved.applied;
+        (applied.airspeed, applied.air, applied.locked) = (airspeed, air, locked);
+        // Inputs that change with time are others after the step.
+        applied.version = if ahead { 0 } else { inputs.version() };
         if changed {
             saved.reference += work;
-            saved.applied[..loads].copy_from_slice(&inputs.reals[..loads]);
+            applied.sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
             if let Some(load) = driven {
-                saved.applied[load] = 0.0;
+                applied.sizes[load] = 0.0;
             }
         }
         if changed || ahead || self.is_retuned {
-            self.right_hand_side_changed();
+            saved.memory.drop_outdated(Outdated::Law);
+            saved.prescribed.iter_mut().for_each(|prescribed| prescribed.ahead = None);
         }
-        let locked = engaged_locks(&self.travel, reduced, &inputs.locks, self.memory.network_values());
-        if self.saved.prescribed.is_some() && driven.is_none() {
+        if saved.prescribed.is_some() && driven.is_none() {
             self.release_prescribed(reduced, locked);
         }
-        // Inputs that change with time are others after the step.
-        self.in_force = (!ahead).then_some(locked);
         Ok(locked)
     }
 
@@ -190,14 +166,12 @@ impl State {
         work: f64,
     ) -> Result<(), ModelError> {
         let loads = reduced.loading().inputs.len();
-        let mut sizes = self.applied.clone();
+        let mut sizes = self.applied.sizes.clone();
         sizes[..loads].copy_from_slice(&inputs.reals[..loads]);
-        let (airspeed, revolutions) = (airspeed(reduced, inputs), self.revolutions);
-        let applied = AppliedLoads { sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
-        let (mode, scratch) = (Mode::default(), &mut Scratch::new(state_loads));
-        let (whole, reduced, time, locked, ports, network) = (reduced, reduced.at(self.sigma), 0.0, false, None, None);
-        let mut equation =
-            EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network };
+        let (version, airspeed, revolutions) = (0, airspeed(reduced, inputs), self.revolutions);
+        let applied = AppliedLoads { version, sizes: &sizes, airspeed, revolutions, change: inputs.change(reduced) };
+        let (here, scratch) = (reduced.at(self.sigma), &mut Scratch::new(state_loads));
+        let mut equation = EquationOfMotion::new(reduced, (here, state_loads), applied, scratch);
         let mut overflows = !(self.reference + work).is_finite();
         for time in [0.0, h] {
             equation.time = time;
@@ -217,22 +191,21 @@ impl State {
     /// After a step that failed: reverse [`Self::apply`] if it `applied` inputs. The integration starts anew.
     #[cold]
     pub(super) fn undo(&mut self, reduced: &Reduced, applied: bool) {
-        self.memory.restart();
+        self.memory.drop_outdated(Outdated::State);
         self.memory.undo_circuit();
         self.witness.forget();
         if applied {
             let Self { saved, before, .. } = self;
-            saved.applied.copy_from_slice(&before.sizes);
-            (saved.airspeed, saved.air, saved.reference) = (before.airspeed, before.air, before.reference);
-            saved.in_force = None;
+            saved.applied.copy_from(&before.applied);
+            saved.reference = before.reference;
             if let Some(prescribed) = before.prescribed {
                 (saved.prescribed, saved.contact) = prescribed;
             }
         }
+        self.applied.version = 0;
         // These state loads exist: they were in use before this step.
         let state_loads = self.state_loads(reduced).unwrap_or_default();
         self.renew_scratch(state_loads);
         self.memory.set_dissipation(state_loads.is_some());
-        self.scratch.panel_force.invalidate();
     }
 }

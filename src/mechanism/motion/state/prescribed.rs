@@ -26,7 +26,8 @@ use crate::mechanism::motion::advance::Progress;
 use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::prescribed::{PrescribedState, Track};
-use crate::mechanism::motion::saved::SavedState;
+use crate::mechanism::motion::saved::{Applied, SavedState};
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::motion::witness::What;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::decimal::Decimal;
@@ -113,7 +114,7 @@ impl State {
         }
         // The force of the input does not act.
         if let Some(drive) = &reduced.loading().motion {
-            self.saved.applied[drive.load] = 0.0;
+            self.saved.applied.sizes[drive.load] = 0.0;
         }
         self.follow(reduced, inputs, EngagedLocks::default(), true)
     }
@@ -122,6 +123,7 @@ impl State {
     pub fn set_time(&mut self, since: f64) {
         if let Some(prescribed) = &mut self.saved.prescribed {
             (prescribed.has_host_time, prescribed.time) = (true, Elapsed::at(since));
+            self.saved.applied.version = 0;
         }
     }
 
@@ -156,7 +158,7 @@ impl State {
         }
         let here = self.displacement(reduced, drive.load);
         let after = match before.is_active {
-            true => PrescribedState { given, ..before },
+            true => PrescribedState { given, ahead: None, ..before },
             false => {
                 let has_host_time = before.has_host_time;
                 PrescribedState { is_active: true, has_host_time, origin: here, given, ..PrescribedState::default() }
@@ -164,8 +166,8 @@ impl State {
         };
         let Some(motion) = Prescribed::new(drive, inputs, after.origin, after.time.parts()) else { return Ok(()) };
         let Self { saved, scratch, rates, .. } = &mut *self;
-        let SavedState { applied: sizes, airspeed, air, revolutions, .. } = &*saved;
-        let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, BumperSet::EMPTY);
+        let (Applied { sizes, airspeed, air, .. }, revolutions) = (&saved.applied, saved.revolutions);
+        let (airspeed, air, touching) = (*airspeed, *air, BumperSet::EMPTY);
         let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
         let track = Track { whole: reduced, load: drive.load, revolutions, ends };
         let step = Step { track, motion, inputs, drive };
@@ -204,7 +206,7 @@ impl State {
             let change = found.slope * (sigma_dot - before);
             self.witness.tell(0.0, What::Gripped { change, impulse: (sigma_dot - before) / found.slope });
         }
-        self.right_hand_side_changed();
+        self.memory.drop_outdated(Outdated::Law);
         Ok(())
     }
 
@@ -218,7 +220,7 @@ impl State {
     pub(super) fn release_prescribed(&mut self, reduced: &Reduced, locked: EngagedLocks) {
         let Some(prescribed) = self.saved.prescribed.filter(|prescribed| prescribed.is_active) else { return };
         self.saved.prescribed = Some(PrescribedState { is_active: false, ahead: None, ..prescribed });
-        self.memory.restart();
+        self.memory.drop_outdated(Outdated::State);
         let ends = Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         let resting = ends.at(self.sigma).next().filter(|_| self.sigma_dot == 0.0);
         if let Some(place) = resting {
@@ -246,8 +248,8 @@ impl State {
         if reduced.loading().motion.is_none() {
             return Err(ModelError::massless(reduced.linkage()));
         }
-        let SavedState { sigma, sigma_dot, revolutions, contact, reference, prescribed, .. } = self.saved;
-        let in_force = self.in_force.filter(|_| !inputs.signal.ahead);
+        let SavedState { sigma, sigma_dot, revolutions, contact, reference, prescribed, .. } = *self.saved;
+        let in_force = self.applied.in_force(inputs);
         let locked = match in_force {
             Some(locked) => locked,
             None => self.apply(reduced, inputs, h)?,
@@ -289,8 +291,7 @@ impl State {
     /// [`Self::advance_prescribed`].
     #[inline]
     fn step_within(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> bool {
-        let (Some(drive), Some(locked)) = (&reduced.loading().motion, self.in_force.filter(|_| !inputs.signal.ahead))
-        else {
+        let (Some(drive), Some(locked)) = (&reduced.loading().motion, self.applied.in_force(inputs)) else {
             return false;
         };
         let Some(PrescribedState { origin, time, ahead: Some(mut power), .. }) = self.saved.prescribed else {
@@ -335,11 +336,12 @@ impl State {
         };
         let pauses = self.witness.pauses.at_steps;
         let Self { saved, scratch, rates, .. } = self;
+        let saved = &mut **saved;
         let ends = &Ends::new(&saved.travel, shift(reduced, saved.revolutions), locked);
         let track = Track { whole: reduced, load: drive.load, revolutions: saved.revolutions, ends };
         let step = Step { track, motion, inputs, drive };
-        let SavedState { applied: sizes, airspeed, air, revolutions, .. } = &*saved;
-        let (airspeed, air, revolutions, touching) = (*airspeed, *air, *revolutions, arrival.contact.touching());
+        let (Applied { sizes, airspeed, air, .. }, revolutions) = (&saved.applied, saved.revolutions);
+        let (airspeed, air, touching) = (*airspeed, *air, arrival.contact.touching());
         let mut balance =
             Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
         let mut ahead = prescribed.ahead;
@@ -431,7 +433,6 @@ impl State {
                 break;
             }
         }
-        balance.scratch.panel_force.invalidate();
         if let Some(prescribed) = &mut saved.prescribed {
             prescribed.ahead = ahead;
         }

@@ -5,7 +5,7 @@
 use super::circuit::begin_hydraulics;
 use super::inputs::{Before, engaged_locks};
 use super::ports::check_ports;
-use super::{State, check_length, rates};
+use super::{Counted, State, check_length, rates};
 use crate::mechanism::definition::{DefinitionError, Mechanism};
 use crate::mechanism::dynamics::equation::Scratch;
 use crate::mechanism::dynamics::inputs::Inputs;
@@ -15,7 +15,6 @@ use crate::mechanism::motion::contact::{Contact, Place, Travel};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::equilibrium::{AtRest, NoEquilibrium};
 use crate::mechanism::motion::impacts::Impacts;
-use crate::mechanism::motion::saved::SavedState;
 use crate::mechanism::motion::travel::{beyond_stop, can_hold, pressed_bumpers, travel, within_stops};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::reduced::{Reduced, ReductionError, Stated};
@@ -161,7 +160,7 @@ impl State {
     ) -> Result<Self, ModelError> {
         let state_loads = state_loads(reduced.at(start.sigma), blows_under(reduced, inputs), start.revolutions)?;
         let witness = Witness::new(reduced.loading().stops.len());
-        let (saved, before, scratch) = (SavedState::default(), Before::default(), Scratch::new(state_loads));
+        let (saved, before, scratch) = (Counted::default(), Before::default(), Scratch::new(state_loads));
         let mut state = Self { saved, before, scratch, witness, rates: rates(reduced), is_retuned: false };
         state.put_at_start(start, reduced, mechanism, inputs)?;
         Ok(state)
@@ -188,11 +187,11 @@ impl State {
         let air = blows_under(reduced, inputs);
         let state_loads = state_loads(reduced.at(start.sigma), air, start.revolutions)?;
         self.renew_scratch(state_loads);
-        self.scratch.panel_force.invalidate();
         self.witness.forget();
         // Nothing is to be applied with the first step, unless it is to be refused then.
         let is_applied = check_ports(reduced, inputs, 0.0).is_ok();
         let Self { saved, before, .. } = self;
+        let saved = &mut **saved;
         (saved.sigma, saved.sigma_dot, saved.revolutions) = (start.sigma, start.sigma_dot, start.revolutions);
         let here = start.sigma + start.revolutions * reduced.period().unwrap_or(0.0);
         saved.contact = Contact::at_start(start.resting);
@@ -200,9 +199,10 @@ impl State {
         if !Arc::ptr_eq(&saved.travel, &start.travel) {
             saved.travel = Arc::clone(&start.travel);
         }
-        reduced.sizes_into(&inputs.reals, &mut saved.applied);
-        before.resize(saved.applied.len());
-        (saved.airspeed, saved.air) = (airspeed(reduced, inputs), air);
+        let applied = &mut saved.applied;
+        reduced.sizes_into(&inputs.reals, &mut applied.sizes);
+        (applied.airspeed, applied.air) = (airspeed(reduced, inputs), air);
+        applied.version = if is_applied { inputs.version() } else { 0 };
         saved.time = Elapsed::default();
         saved.impacts.clear();
         saved.impacts.resize(reduced.loading().stops.len(), Impacts::default());
@@ -210,8 +210,8 @@ impl State {
             Some(memory) => saved.memory = memory,
             None => saved.memory.begin(state_loads.is_some()),
         }
-        let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
-        saved.in_force = is_applied.then(locked);
+        saved.applied.locked = engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
+        before.applied.sizes.resize(saved.applied.sizes.len(), 0.0);
         if reduced.can_prescribe() {
             self.begin_prescribed(reduced, inputs)?;
         }

@@ -9,6 +9,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::prescribed::Prescribed;
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::state::State;
+use crate::mechanism::motion::step_ahead::Outdated;
 use crate::mechanism::outputs::evaluator::OutputError;
 use crate::mechanism::outputs::view::{Reading, View};
 use crate::mechanism::reduced::Reduced;
@@ -20,15 +21,13 @@ pub struct Driven {
     /// The state under the present inputs, if it is another one than after the last step.
     shown: State,
     is_shown: bool,
-    /// Whether all is as the present state and inputs have it.
-    is_settled: bool,
     /// Acceleration of the drive and its rate in time, if its motion is prescribed.
     demand: Option<[f64; 2]>,
 }
 
 impl Driven {
     pub fn new(state: &State) -> Self {
-        Self { shown: state.clone(), is_shown: false, is_settled: false, demand: None }
+        Self { shown: state.clone(), is_shown: false, demand: None }
     }
 
     /// The state to be shown, if it is not that after the last step.
@@ -52,36 +51,18 @@ impl<N: Reading> View<'_, N> {
 }
 
 impl ReducedMotion {
-    /// The state or the inputs have changed.
-    #[inline]
-    pub(in crate::mechanism::outputs) fn unsettle(&mut self) {
-        if let Some(driven) = &mut self.driven {
-            driven.is_settled = false;
-        }
-    }
-
     /// The state that outputs show.
     pub fn shown(&mut self, reduced: &Reduced, inputs: &Inputs) -> &State {
-        if self.driven.is_some() {
-            self.settle(reduced, inputs);
-        }
+        self.sync(reduced, inputs);
         self.driven.as_deref().and_then(Driven::shown).unwrap_or(&self.state)
-    }
-
-    /// The host states the time since the motion is prescribed [s], as in model exchange.
-    pub fn set_time(&mut self, since: f64) {
-        self.state.set_time(since);
-        self.inputs_changed();
     }
 
     /// Take over the state that outputs show.
     pub fn adopt(&mut self, reduced: &Reduced, inputs: &Inputs) {
-        let revolutions = self.state.revolutions;
         self.shown(reduced, inputs);
         if let Some(shown) = self.driven.as_deref().and_then(Driven::shown) {
-            self.state.saved.copy_from(&shown.saved);
-            self.state.recount();
-            self.invalidate(revolutions);
+            self.state.copy_from(shown);
+            self.state.memory.drop_outdated(Outdated::Count);
         }
     }
 
@@ -90,12 +71,10 @@ impl ReducedMotion {
     /// # Errors
     /// As [`State::preview`]; nothing has changed.
     pub fn switch(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        let revolutions = self.state.revolutions;
         match inputs.prescribes() {
             true => self.state.preview(reduced, inputs)?,
             false => self.state.release(reduced, inputs),
         }
-        self.invalidate(revolutions);
         Ok(())
     }
 
@@ -124,21 +103,16 @@ impl ReducedMotion {
     /// Find the state under the present inputs, and the force of the drive.
     pub(in crate::mechanism::outputs) fn settle(&mut self, reduced: &Reduced, inputs: &Inputs) {
         let (Some(driven), Some(drive)) = (&mut self.driven, &reduced.loading().motion) else { return };
-        if driven.is_settled {
-            return;
-        }
-        (driven.is_settled, driven.is_shown, driven.demand) = (true, false, None);
+        (driven.is_shown, driven.demand) = (false, None);
         self.loads.undriven = None;
         if !inputs.prescribes() {
-            self.set_drive(drive.load, inputs.reals[drive.load]);
             return;
         }
-        if self.state.in_force.is_none() {
+        if self.state.applied.in_force(inputs).is_none() {
             driven.is_shown = true;
-            driven.shown.saved.copy_from(&self.state);
+            driven.shown.copy_from(&self.state);
             if let Err(error) = driven.shown.preview(reduced, inputs) {
                 self.loads.undriven = Some(OutputError::Motion(error.to_string()));
-                self.cache.invalidate();
                 return;
             }
         }
@@ -161,8 +135,8 @@ impl ReducedMotion {
     }
 
     fn set_drive(&mut self, load: usize, size: f64) {
-        if self.loads.sizes[load].to_bits() != size.to_bits() {
-            self.set_size(load, size);
+        if self.loads.set(load, size) {
+            self.cache.scratch.panel_force.invalidate();
         }
     }
 

@@ -9,7 +9,6 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::dynamics::inverse::{Demand, toward, with_efficiency};
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
-use crate::mechanism::dynamics::state_loads::Mode;
 use crate::mechanism::motion::power_ahead::PowerAhead;
 use crate::numerics::kronrod::{NODES, means, relative_error};
 
@@ -79,24 +78,24 @@ impl Balance<'_, '_> {
         let (whole, inputs, load) = (step.track.whole, step.inputs, step.drive.load);
         let loads = whole.loading().inputs.len();
         let mut time = force;
-        let mut air_excess = 0.0;
+        // While the drive alone changes, the loads are the same from one evaluation to the next.
+        let (mut version, mut air_excess) = (u64::MAX, 0.0);
         if let Some(change) = inputs.change(whole) {
             let excess = |[first, second]: [f64; 2]| t * (first + 0.5 * t * second);
             for (rate, (&first, &second)) in self.rates.iter_mut().zip(change.first.iter().zip(change.second)) {
                 *rate = excess([first, second]);
             }
             (self.rates[load], time, air_excess) = (force, 1.0, excess(change.airspeed));
-            self.scratch.panel_force.invalidate();
+            version = 0;
         }
         let (within, _) = whole.unwound(sigma);
         let (reduced, state_loads) = whole.with_state_loads(within, air);
-        self.scratch.panel_force.on_stretch(reduced.stretch);
         let (first, second) = self.rates.split_at(loads);
         let change = Some(Change { first, second, airspeed: [air_excess, 0.0] });
-        let applied = AppliedLoads { sizes, airspeed, revolutions, change };
-        let mode = Mode { touching: self.touching, ..Mode::default() };
-        let (scratch, locked, ports, network) = (&mut *self.scratch, false, None, None);
-        EquationOfMotion { whole, reduced, state_loads, applied, time, mode, scratch, locked, ports, network }
+        let applied = AppliedLoads { version, sizes, airspeed, revolutions, change };
+        let mut equation = EquationOfMotion::new(whole, (reduced, state_loads), applied, self.scratch);
+        (equation.time, equation.mode.touching) = (time, self.touching);
+        equation
     }
 
     /// The bumpers that push.
