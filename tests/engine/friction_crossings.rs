@@ -355,8 +355,8 @@ fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
         });
     });
     let span = 32.0;
-    let [fine, rate] = cranks.run([0.5, 20.0], span, 128_000);
-    let [coarse, _] = cranks.run([0.5, 20.0], span, 64_000);
+    let [fine, rate] = cranks.run([0.5, 20.0], span, 64_000);
+    let [coarse, _] = cranks.run([0.5, 20.0], span, 32_000);
     assert!(fine > 100.0 * TAU && (fine - coarse).abs() < 1e-9);
     let mut run = Run::new(&text);
     for tolerance in [1e-6, 1e-9, 1e-12] {

@@ -50,7 +50,6 @@ mod linearisation;
 mod look_ahead;
 mod losses;
 mod massless;
-mod mechanism_fuzz;
 mod near_misses;
 mod newton_euler;
 mod one_element;
