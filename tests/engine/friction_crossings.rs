@@ -315,7 +315,7 @@ fn all_are_accepted_and_move_until_friction_locks() {
     for (name, text) in all() {
         let mut run = Run::new(&text).started();
         let energy = run.get("energy.kinetic");
-        if let Some(said) = run_to_the_lock(&mut run, 2.0) {
+        if let Some(said) = run_to_the_lock(&mut run, 1.0) {
             assert!(
                 said.starts_with("friction locks the mechanism near ") && said.contains("add a stop before"),
                 "{said}"
@@ -323,7 +323,7 @@ fn all_are_accepted_and_move_until_friction_locks() {
         }
         let drift = run.get("energy.drift").abs();
         assert!(drift < 1e-7 * energy.max(1.0), "{name}: {drift}");
-        println!("{name}: {} s of 2 s, drift {drift:e} J of {energy} J", run.0.time());
+        println!("{name}: {} s of 1 s, drift {drift:e} J of {energy} J", run.0.time());
     }
 }
 
