@@ -1,6 +1,6 @@
 //! Profiles of cams and pitch curves of elliptic gears: curvature against finite differences, drawn curves, warnings.
 
-use crate::cams::{ROLLER, oscillating, parsed, translating};
+use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
 use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::inspection::Scene;

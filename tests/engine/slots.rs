@@ -1,6 +1,6 @@
 //! Pins in curved slots: arcs against the links that they stand for, a trammel against its closed form, a spline
 //! against its points and against an arc, elements along a slot, refusals.
-use crate::support::definition::{G, With, four_bar, pin, rod, weight};
+use crate::support::definition::{G, With, four_bar, rod, weight};
 use crate::support::{Run, assert_near, assert_rejected, assert_says, refusal};
 use linkage_fmu::mechanism::inspection::inspect;
 use serde_json::{Value, json};
