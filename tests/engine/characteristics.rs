@@ -115,20 +115,23 @@ fn a_curve_through_points_keeps_the_energy_and_repeats_its_period() {
 
 #[test]
 fn wrong_curves_and_gases_are_rejected() {
-    assert_rejected("gas springs", carriage(gas(), 0.5));
+    assert_rejected("gas springs", between_stops(0.25));
 }
 
+/// A carriage on a gas spring with its first stop at this position [m].
+fn between_stops(least: f64) -> String {
+    changed(carriage(gas(), 0.4), |m| {
+        m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": least },
+                             "far": { "joint": "slide", "limit": "upper", "position": 1 } });
+    })
+}
+
+/// The gas has no volume if the strut is shorter than 0.2 m. A stop at 0.25 m prevents this.
 #[test]
 fn a_gas_without_volume_is_rejected() {
-    // The gas has no volume if the strut is shorter than 0.2 m. A stop at 0.25 m prevents this.
-    let stops = |least: f64| {
-        changed(carriage(gas(), 0.4), |m| {
-            m["stops"] = json!({ "near": { "joint": "slide", "limit": "lower", "position": least },
-                                 "far": { "joint": "slide", "limit": "upper", "position": 1 } });
-        })
-    };
-    assert_says(refusal(stops(0.15)), &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
-    assert!(Run::new(stops(0.25)).started().get("strut.force") < 0.0);
+    let short = refusal(between_stops(0.15));
+    assert_says(short, &["strut", "the length is 0.2 m", "increase the gas volume", "add a stop"]);
+    assert!(Run::new(between_stops(0.25)).started().get("strut.force") < 0.0);
 }
 
 /// A narrow and weak detent is not skipped within a long step: energy is conserved in the detent.
