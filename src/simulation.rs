@@ -15,11 +15,13 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 mod ensemble;
+mod trace;
 
 use crate::mechanism::{Model, ModelError, TravelTime, allow_hydraulics};
 use crate::variables::{Causality, Kind, Reference, Variability};
 pub use ensemble::{Ensemble, Runs};
 use std::fmt;
+pub use trace::Trace;
 
 /// Largest number of steps in a run.
 const MOST_STEPS: f64 = 1e9;
@@ -334,32 +336,6 @@ impl Simulation {
             });
         }
         Ok(())
-    }
-}
-
-/// Recorded values of variables over a run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Trace {
-    names: Vec<String>,
-    times: Vec<f64>,
-    columns: Vec<Vec<f64>>,
-}
-
-impl Trace {
-    /// Names of the columns.
-    pub fn names(&self) -> &[String] {
-        &self.names
-    }
-
-    /// Time of each row [s].
-    pub fn times(&self) -> &[f64] {
-        &self.times
-    }
-
-    /// Values of the variable with this name, one for each time. None if the variable was not recorded.
-    pub fn column(&self, name: &str) -> Option<&[f64]> {
-        let index = self.names.iter().position(|own| own == name)?;
-        Some(&self.columns[index])
     }
 }
 

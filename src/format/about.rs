@@ -42,9 +42,4 @@ impl About {
         let rest = [("copyright", or(&self.copyright, COPYRIGHT)), ("license", or(&self.license, LICENSE))];
         author.into_iter().chain(rest).collect()
     }
-
-    /// Whether no text is stated.
-    pub fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }

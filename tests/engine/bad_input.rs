@@ -1,7 +1,7 @@
 //! Messages about bad input: each message is one line that names the key or variable, the value, and the limit or
 //! remedy.
 
-use crate::support::{self, GEAR, Run, TWO_DRIVES, assert_says};
+use crate::support::{self, GEAR, Run, TWO_DRIVES, assert_rejected, assert_says};
 use linkage_fmu::component::Component;
 use linkage_fmu::mechanism::Model;
 use serde_json::{Value, json};
@@ -109,44 +109,16 @@ fn other_kinds_of_values() {
 }
 
 #[test]
-fn numbers_out_of_range() {
-    for (from, to, fragments) in [
-        (r#""mass": 13.689"#, r#""mass": -1"#, &["bodies.crank.mass", "= -1", ">= 0"][..]),
-        (r#""length": 0.1755"#, r#""length": 0"#, &["bodies.crank.length", "= 0", "> 0"]),
-        (r#""length": 0.1755"#, r#""length": -0.1755"#, &["bodies.crank.length", "= -0.1755", "> 0"]),
-        (r#""mass": 19.5 }"#, r#""mass": 19.5, "inertia": -2 }"#, &["bodies.wheel.inertia", "= -2", ">= 0"]),
-        (r#""acceleration": 9.81"#, r#""acceleration": -9.81"#, &["gravity.acceleration", "= -9.81", ">= 0"]),
-        (r#""acceleration": 9.81"#, r#""acceleration": 1e200"#, &["gravity.acceleration", "= 1e200", "<= 1e100"]),
-        (r#""force": 30000"#, r#""force": 1, "efficiency": 1.2"#, &["actuators.actuator.efficiency", "1.2", "<= 1"]),
-        (r#""tolerance": 1e-9"#, r#""tolerance": 1"#, &["solver.tolerance", "= 1", "1e-14"]),
-        (r#""stop_time": 0.15"#, r#""stop_time": 0"#, &["experiment.stop_time", "= 0", "> 0"]),
-    ] {
-        check(&changed(from, to), fragments);
-    }
+fn definitions_with_a_change() {
+    assert_rejected("gear", GEAR);
+    assert_rejected("two drives", TWO_DRIVES);
 }
 
 #[test]
 fn names_of_missing_elements() {
     for (from, to, fragments) in [
-        ("crank.end", "crunk.end", &["joints.joint2.first", r#""crunk.end""#, "bodies are ground, crank"][..]),
-        ("crank.end", "crank.tip", &["joints.joint2.first", r#""crank.tip""#, "origin, end, actuator"]),
-        ("crank.end", "crank", &["joints.joint2.first", "body.point"]),
         (r#""coupler.end""#, r#""coupler.origin.end""#, &["joints.joint3.first", "origin, end"]),
-        (r#""on": "crank""#, r#""on": "crnk""#, &["torques.crank.on", r#""crnk""#, "bodies are"]),
-        (r#""start": { "body": "crank""#, r#""start": { "body": "crnk""#, &["start.body", r#""crnk""#, "bodies are"]),
         (r#""leg.end""#, r#""wheel.origin""#, &["bodies.wheel.fixed_to", "circle"]),
-        (
-            r#""coupler": 0.46"#,
-            r#""copuler": 0.46"#,
-            &[
-                "guess.copuler",
-                "no body, prismatic joint or slot with this name",
-                "crank, leg, wheel, coupler, follower",
-            ],
-        ),
-        (r#""coupler": 0.46"#, r#""cou\npler": 0.46"#, &[r"guess.cou\npler", "crank, leg, wheel, coupler, follower"]),
-        (r#""coupler": 0.46"#, r#""coupler": 1e308"#, &["guess.coupler = 1e308", "from -1e6 rad to 1e6 rad"]),
-        (r#", "coupler": 0.46"#, "", &["guess.coupler", "missing", "rough angle [rad]"]),
     ] {
         check(&changed(from, to), fragments);
     }
@@ -257,20 +229,6 @@ fn positions_without_an_answer() {
     );
 }
 
-#[test]
-fn starts_that_contradict_themselves() {
-    let start = r#"{ "body": "crank", "angle": 0.8, "speed": 0 }"#;
-    for (to, fragments) in [
-        (r#"{ "body": "crank" }"#, &["start", "body and angle, or joint and position"][..]),
-        (r#"{ "joint": "joint1", "position": 0.8 }"#, &["start.joint", "prismatic"]),
-        (r#"{ "joint": "slot", "position": 0.8 }"#, &["start.joint", r#""slot""#, "joint1, joint2"]),
-        (r#"{ "body": "ground", "angle": 0.8 }"#, &["start", "ground", "crank, coupler, follower"]),
-        (r#"{ "body": "crank", "angle": 0.8, "velocity": 1 }"#, &["start.velocity", "`velocity`", "`speed`"]),
-    ] {
-        check(&changed(start, to), fragments);
-    }
-}
-
 /// Some editors write a byte order mark. A byte order mark is accepted.
 #[test]
 fn a_byte_order_mark_is_read_over() {
@@ -374,34 +332,6 @@ fn angles_that_count_too_many_turns() {
         assert_eq!(refusal(&slider_crank(&[(path, 1e9.into())])), line);
     }
     Model::from_json(&slider_crank(&[("guess.crank", (0.9 + 2e3 * std::f64::consts::TAU).into())])).unwrap();
-}
-
-#[test]
-fn huge_and_tiny_numbers_are_written_with_exponents() {
-    for (path, value, fragment) in [
-        ("solver", json!({ "tolerance": 1e300 }), "solver.tolerance = 1e300: must be"),
-        ("solver", json!({ "tolerance": 1e-20 }), "solver.tolerance = 1e-20: must be"),
-        (
-            "bodies.crank.length",
-            1e200.into(),
-            "bodies.crank.length = 1e200 m: must be a length > 0, from 1e-100 m to 1e100 m",
-        ),
-        (
-            "bodies.crank.length",
-            5e-324.into(),
-            "bodies.crank.length = 5e-324 m: must be a length > 0, from 1e-100 m to 1e100 m",
-        ),
-        ("bodies.crank.mass", 1e308.into(), "bodies.crank.mass = 1e308 kg: must be a number from -1e100 to 1e100"),
-        (
-            "bodies.slider.inertia",
-            1e308.into(),
-            "bodies.slider.inertia = 1e308 kg.m2: must be a number from -1e100 to 1e100",
-        ),
-        ("start.speed", (-1e200).into(), "start.speed = -1e200 rad/s: must be a number from -1e100 to 1e100"),
-        ("experiment", json!({ "stop_time": -1e250, "step_size": 1 }), "experiment.stop_time = -1e250: must"),
-    ] {
-        check(&slider_crank(&[(path, value)]), &[fragment]);
-    }
 }
 
 /// Two bars and the ground are a rigid triangle. A third bar rotates freely.

@@ -1,7 +1,7 @@
 //! Profiles of cams and pitch curves of elliptic gears: curvature against finite differences, drawn curves, warnings.
 
 use crate::cams::{ROLLER, elliptic, oscillating, parsed, translating};
-use crate::support::{Run, assert_says, changed, refusal};
+use crate::support::{Run, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::inspection::Scene;
 use linkage_fmu::mechanism::linkage::{Kind, Linkage};
@@ -95,13 +95,6 @@ fn pitch_curves_of_elliptic_gears_are_ellipses_about_a_focus() {
     let scene = Scene::new(&cam, &Linkage::new(&cam).unwrap()).unwrap();
     let least = scene.outlines[0].points.iter().map(|[x, y]| x.hypot(*y)).fold(f64::INFINITY, f64::min);
     assert!((least - 0.04).abs() < 1e-14, "the base circle is the least of the profile: {least}");
-}
-
-#[test]
-fn faulty_losses_of_couplings_are_rejected_with_their_key() {
-    let text =
-        changed(elliptic(json!({ "eccentricity": 0.3 })), |m| m["couplings"]["mesh"]["efficiency"] = json!(0.97));
-    assert_says(refusal(text), &["couplings.mesh.efficiency", "drive", "friction"]);
 }
 
 #[test]

@@ -3,7 +3,8 @@
 //! linearisation, derivatives, saved states, refusals.
 use crate::stiction;
 use crate::support::definition::{G, With, arm, block, weight, wheel};
-use crate::support::{Run, assert_near, assert_says, refusal};
+use crate::support::numeric::runge_kutta;
+use crate::support::{Run, assert_near, assert_rejected};
 use linkage_fmu::component::{Component, Linearisation};
 use nalgebra::{Matrix5, Vector5};
 use serde_json::{Value, json};
@@ -110,15 +111,9 @@ fn limited(limits: [f64; 2], rate: f64, tracking: f64, span: f64) -> ([f64; 4], 
         let integral = INTEGRAL_GAIN * (1.0 - y[0]) + (y[3] + change - demanded) / tracking;
         [y[1], y[3] / INERTIA, integral, change / TIME]
     };
-    let (mut y, mut most, steps) = ([0.0; 4], 0.0_f64, 400_000);
-    let h = span / f64::from(steps);
-    for _ in 0..steps {
-        let at = |k: [f64; 4], part: f64| std::array::from_fn(|n| y[n] + part * h * k[n]);
-        let k1 = rates(y);
-        let k2 = rates(at(k1, 0.5));
-        let k3 = rates(at(k2, 0.5));
-        let k4 = rates(at(k3, 1.0));
-        y = std::array::from_fn(|n| y[n] + h / 6.0 * (k1[n] + 2.0 * k2[n] + 2.0 * k3[n] + k4[n]));
+    let (mut y, mut most) = ([0.0; 4], 0.0_f64);
+    for _ in 0..400 {
+        y = runge_kutta(|_, y| rates(y), y, span / 400.0, 1000);
         most = most.max(y[0]);
     }
     (y, most)
@@ -278,14 +273,7 @@ fn a_saved_state_continues_with_its_force() {
     let mut run = Run::new(rotor(control)).started();
     for _ in 0..6 {
         run.step(0.13);
-        let saved = run.saved();
-        run.steps(3, 0.4);
-        let names = ["wheel.angle", "wheel.speed", "servo.acting_torque", "servo.acting_torque_rate", "energy.drift"];
-        let expected = run.bits(names);
-        run.take(&saved);
-        run.steps(3, 0.4);
-        assert_eq!(run.bits(names), expected);
-        run.take(&saved);
+        run.clone().repeats(|run| run.steps(3, 0.4));
     }
 }
 
@@ -305,34 +293,7 @@ fn the_rate_of_the_force_is_tunable() {
 
 #[test]
 fn what_is_no_delayed_force_is_refused() {
-    let servo = |control: Value| {
-        wheel(INERTIA).with(json!({ "actuators": { "servo": { "joint": "hub", "control": control } } }))
-    };
     let delayed = json!({ "position_gain": 1, "force_time_constant": 0.1 });
-    for (control, pieces) in [
-        (
-            json!({ "position_gain": 1, "max_force_rate": 2 }),
-            &["control.max_force_rate", "add force_time_constant"][..],
-        ),
-        (json!({ "position_gain": 1, "start_force": 2 }), &["control.start_force", "add force_time_constant"]),
-        (json!({ "force_time_constant": 2 }), &["servo.control", "needs a gain"]),
-        (delayed.clone().with(json!({ "force_time_constant": 0 })), &["control.force_time_constant", "0", "> 0"]),
-        (delayed.clone().with(json!({ "max_force_rate": -1 })), &["control.max_force_rate", "-1", "> 0"]),
-        (
-            delayed.clone().with(json!({ "min_force": -1, "max_force": 3, "start_force": 4 })),
-            &["servo.control.start_force", "4", ">= min_force = -1 and <= max_force = 3"],
-        ),
-    ] {
-        assert_says(refusal(servo(control)), pieces);
-    }
-    let moved = json!({ "actuators": { "other": { "joint": "hub", "motion": { "position": 0 } } } });
-    let text = servo(delayed.clone()).with(moved);
-    assert_says(refusal(text), &["servo.control.force_time_constant", "other", "prescribed motion"]);
-    let mut many = servo(delayed.clone());
-    for k in 0..2 {
-        let both = delayed.clone().with(json!({ "integral_gain": 1 }));
-        many["actuators"][format!("more{k}")] = json!({ "joint": "hub", "control": both });
-    }
-    many["actuators"]["most"] = json!({ "joint": "hub", "control": delayed });
-    assert_says(refusal(many), &["servo.control.force_time_constant", "at most 5"]);
+    let servo = json!({ "actuators": { "servo": { "joint": "hub", "control": delayed } } });
+    assert_rejected("delayed forces", wheel(INERTIA).with(servo));
 }

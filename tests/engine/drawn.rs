@@ -1,6 +1,7 @@
 //! Drawn geometry, angles in degrees and lengths in millimetres give the same mechanisms as lengths, local points and
 //! SI units.
 
+use crate::support::assert_rejected;
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
 use linkage_fmu::simulation::Simulation;
@@ -188,35 +189,7 @@ fn lengths_points_and_guess_follow_from_the_drawing() {
 
 #[test]
 fn contradictions_to_the_drawing_are_rejected() {
-    for (path, value, fragments) in [
-        ("/bodies/crank/length", json!(50.1), vec!["bodies.crank.length = 0.0501", "drawn 0.05 m apart"]),
-        ("/bodies/crank/drawn/angle", json!(1), vec!["bodies.crank.drawn.angle", "origin and end already define"]),
-        ("/bodies/crank/drawn/end", json!([0, 0]), vec!["bodies.crank.drawn.end", "no length"]),
-        (
-            "/bodies/crank/points",
-            json!({ "eye": [1, 1] }),
-            vec!["bodies.crank.drawn.points.eye", "remove one of the two"],
-        ),
-        (
-            "/bodies/flag/drawn/origin",
-            json!([112, 40]),
-            vec!["bodies.flag.drawn.origin", "0.002 m away from the point rod.end"],
-        ),
-        ("/bodies/flag/angle", json!(30), vec!["bodies.flag.angle", "the drawing gives 1.570796327"]),
-        ("/joints/guide/angle", json!(0), vec!["joints.guide.angle", "the drawing gives 1.570796327"]),
-        ("/bodies/rod/drawn/origin", json!([31, 40]), vec!["joints.pin", "drawn 0.001 m away from the first"]),
-        ("/bodies/ground/points/rail", json!([0, 42]), vec!["joints.guide", "0.002 m off the line"]),
-        ("/bodies/ground/drawn", json!({ "origin": [0, 0] }), vec!["bodies.ground.drawn", "mechanism frame"]),
-        ("/units/angle", json!("grad"), vec!["units.angle", "must be `rad` or `deg`, not `grad`"]),
-    ] {
-        let mut all = triangle();
-        let (parent, key) = path.rsplit_once('/').unwrap();
-        all.pointer_mut(parent).unwrap()[key] = value;
-        let message = Mechanism::from_json(&all.to_string()).expect_err(path).to_string();
-        for fragment in fragments {
-            assert!(message.contains(fragment), "{path}: `{message}` lacks `{fragment}`");
-        }
-    }
+    assert_rejected("drawings", triangle());
     // If a length and coordinates agree up to the rounding of the coordinates, the length is used.
     let mut all = triangle();
     all["bodies"]["crank"]["length"] = json!(50.000_01);

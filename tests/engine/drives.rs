@@ -145,7 +145,7 @@ fn two_drives_one_with_losses_follow_the_closed_form() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 120, failure_persistence: None, ..ProptestConfig::default() })]
 
     /// Inverse dynamics, then forward dynamics, at rest and in motion.
     #[test]

@@ -21,18 +21,19 @@ fn tabulated(law: &str, count: u32, keys: &Value) -> String {
 /// Largest error of the follower's acceleration with a table at constant cam speed, relative to the largest
 /// acceleration of the law.
 fn error_of_table(law: &str, count: u32, keys: &Value) -> f64 {
-    let run = |text: &str, angle: f64| {
-        let mut run = Run::new(changed(text, |m| m["start"]["angle"] = json!(angle + 0.5))).started();
+    let mut run = Run::new(tabulated(law, count, keys));
+    let mut acceleration = |angle: f64| {
+        run.set("disc.start_angle", angle + 0.5);
+        run.initialize();
         // s'' w^2, without the part from the cam's own acceleration.
         let slope = run.get("guide.speed") / run.get("disc.speed");
         run.get("guide.acceleration") - slope * run.get("disc.acceleration")
     };
-    let text = tabulated(law, count, keys);
     let (mut worst, mut largest) = (0.0_f64, 0.0_f64);
     for k in 0..180 {
         let angle = TAU * (f64::from(k) + 0.37) / 180.0;
         let exact = lift(law, 0.02, angle)[2] * 40.0 * 40.0;
-        worst = worst.max((run(&text, angle) - exact).abs());
+        worst = worst.max((acceleration(angle) - exact).abs());
         largest = largest.max(exact.abs());
     }
     worst / largest

@@ -51,7 +51,6 @@ mod long_motions;
 mod look_ahead;
 mod losses;
 mod massless;
-mod mechanism_fuzz;
 mod near_misses;
 mod newton_euler;
 mod one_element;

@@ -272,7 +272,7 @@ fn contradictory_settings_are_rejected() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(1000))]
+    #![proptest_config(ProptestConfig::with_cases(300))]
 
     /// Random drops and locks: no missed contact, no gain of energy, rest when pressed.
     #[test]

@@ -11,7 +11,7 @@ use linkage_fmu::variables::{Causality, Kind, Reference};
 use nalgebra::Vector2;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::ops::{Deref, DerefMut};
@@ -84,6 +84,38 @@ pub fn refusal(definition: impl Display) -> String {
     let text = definition.to_string();
     let opened = Simulation::open(&text).and_then(|mut simulation| simulation.initialize());
     opened.map_or_else(|error| error.to_string(), |()| panic!("accepted: {text}"))
+}
+
+/// A definition is accepted, and each of its changes in a group of `tests/fixtures/refusals.json` is rejected in one
+/// line. A row has the changed keys with their values, where null removes a key, and pieces of the message.
+#[track_caller]
+pub fn assert_rejected(group: &str, definition: impl Display) {
+    let rows: Vec<(Map<String, Value>, Vec<String>)> = numbers(include_str!("../fixtures/refusals.json"), group);
+    assert!(!rows.is_empty());
+    let definition = definition.to_string();
+    Run::new(&definition).initialize();
+    for (changes, pieces) in rows {
+        let message =
+            refusal(changed(&definition, |all| changes.iter().for_each(|(path, value)| change(all, path, value))));
+        assert!(!message.contains('\n'), "more than one line: {message}");
+        pieces.iter().for_each(|piece| assert!(message.contains(piece), "{changes:?}: `{message}` lacks `{piece}`"));
+    }
+}
+
+/// Set or remove the value at a path with dots.
+fn change(mut within: &mut Value, path: &str, value: &Value) {
+    let (parents, key) = path.rsplit_once('.').map_or((None, path), |(parents, key)| (Some(parents), key));
+    for parent in parents.into_iter().flat_map(|parents| parents.split('.')) {
+        within = match within {
+            Value::Array(list) => &mut list[parent.parse::<usize>().unwrap()],
+            object => &mut object[parent],
+        };
+    }
+    match (within, value) {
+        (Value::Object(object), Value::Null) => _ = object.remove(key).unwrap(),
+        (Value::Array(list), value) => list[key.parse::<usize>().unwrap()] = value.clone(),
+        (object, value) => object[key] = value.clone(),
+    }
 }
 
 /// A value agrees with the expected value, with this absolute tolerance.
@@ -236,6 +268,30 @@ impl Run {
     pub fn take(&mut self, bytes: &[u8]) {
         let state = self.read_snapshot(bytes).unwrap_or_else(|e| panic!("{e}"));
         self.restore(&state).unwrap_or_else(|e| panic!("{e}"));
+    }
+
+    /// Save the state, advance, restore the state, advance: all values are identical both times, and in another run that
+    /// reads the state. The run ends after the advance.
+    #[track_caller]
+    pub fn repeats(&mut self, mut advance: impl FnMut(&mut Self)) {
+        let saved = self.saved();
+        let mut other = self.clone();
+        other.reset();
+        other.initialize();
+        advance(self);
+        let expected = self.all();
+        for run in [self, &mut other] {
+            run.take(&saved);
+            advance(run);
+            assert_eq!(run.all(), expected);
+        }
+    }
+
+    /// The bits of all Reals that are no parameters.
+    pub fn all(&mut self) -> Vec<(String, u64)> {
+        let list = self.variables().list().to_vec();
+        let own = list.iter().zip(0..).filter(|(v, _)| v.kind == Kind::Real && v.causality != Causality::Parameter);
+        own.map(|(v, reference)| (v.name.clone(), self.real(reference).unwrap().to_bits())).collect()
     }
 
     /// The reason why this output is NaN.

@@ -15,7 +15,7 @@ pub use cylinder::{Cylinder, cylinder};
 pub use geometry::hull;
 pub use mechanism::{designs, mechanism, sides};
 pub use paint::to_png;
-pub use svg::{Colours, to_svg};
+pub use svg::{BODIES, Colours, to_svg};
 
 /// A point of a drawing [px], y downward.
 pub type Point = [f64; 2];

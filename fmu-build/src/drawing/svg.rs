@@ -10,7 +10,7 @@ use quick_xml::events::BytesText;
 use std::io;
 
 /// Colours of bodies, in the order of their numbers.
-const BODIES: [[u8; 3]; 8] = [
+pub const BODIES: [[u8; 3]; 8] = [
     [0x3f, 0x7f, 0xc1],
     [0xd9, 0x83, 0x24],
     [0x3a, 0x9d, 0x6b],

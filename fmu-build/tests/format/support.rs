@@ -5,6 +5,7 @@ use linkage_fmu::mechanism::definition::Mechanism;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::fs;
+use std::sync::LazyLock;
 
 const SCHEMA: &str = include_str!("../../../modelDescription/mechanism.schema.json");
 /// The pages of the elements.
@@ -38,8 +39,9 @@ pub fn schema() -> Value {
     serde_json::from_str(SCHEMA).unwrap()
 }
 
-pub fn validator() -> Validator {
-    jsonschema::draft202012::new(&schema()).unwrap()
+pub fn validator() -> &'static Validator {
+    static VALIDATOR: LazyLock<Validator> = LazyLock::new(|| jsonschema::draft202012::new(&schema()).unwrap());
+    &VALIDATOR
 }
 
 /// A mechanism with every element and, taken together, every key that can be combined with others.

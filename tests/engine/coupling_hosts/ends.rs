@@ -28,7 +28,7 @@ fn a_load_at_rest_on_an_end_is_that_of_one_system() {
         let scene = Scene { end: 6.0, sample: 6.0, ..scene };
         let [[_, angle, force, _, end]] = one_system(&scene)[..] else { panic!("one row") };
         assert!(sign * end > 1e4, "{force} {end}");
-        for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+        for (host, h) in HOSTS.into_iter().flat_map(|host| [2e-3, 1e-2, 5e-2].map(|h| (host, h))) {
             let rows = pair(&scene, host, &|_| h, true);
             let [[_, own_angle, own_force, _, own_end]] = rows[..] else { panic!("one row") };
             assert!((own_angle - angle).abs() < 1e-13, "{host:?} {h}: {own_angle} rad is not {angle} rad");
@@ -84,7 +84,7 @@ fn steps_may_change_at_an_end() {
 /// motion in this step, wherever in the step the piston reaches the end.
 #[test]
 fn a_fast_mechanism_may_be_past_an_end_by_its_way_in_a_step() {
-    for k in 0..20 {
+    for k in (0..20).step_by(3) {
         let mut scene = extension();
         scene.start.push(Set::Circuit("cylinder.stroke", 0.3 + 1e-4 * f64::from(k)));
         scene.start.push(Set::Circuit("cushion_b.length", 0.0));

@@ -253,7 +253,7 @@ fn a_load_at_rest_on_a_stop_is_that_of_one_system() {
     let scene = Scene { end: 6.0, sample: 6.0, ..retraction() };
     let [[_, _, force, torque, _]] = one_system(&scene)[..] else { panic!("one row") };
     assert!(force > 3e4 && torque.abs() > 7e3, "{force} {torque}");
-    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-4, 1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
+    for (host, h) in HOSTS.into_iter().flat_map(|host| [1e-3, 5e-3, 1e-2, 5e-2].map(|h| (host, h))) {
         let [[_, _, own_force, own_torque, _]] = pair(&scene, host, &|_| h, true)[..] else { panic!("one row") };
         assert!((own_force / force - 1.0).abs() < 1e-9, "{host:?} {h}: {own_force} N is not {force} N");
         assert!((own_torque / torque - 1.0).abs() < 1e-9, "{host:?} {h}: {own_torque} N.m is not {torque} N.m");

@@ -1,6 +1,6 @@
 //! Motions that a mechanism cannot make, and invalid definitions of a motion, are rejected with the name of the key.
 use super::{gear, is_close, lift, opened, slider_crank, stroke};
-use crate::support::{BUCKET, Run, assert_says, changed, refusal};
+use crate::support::{BUCKET, Run, assert_rejected, assert_says, changed, refusal};
 use serde_json::{Value, json};
 
 #[test]
@@ -111,25 +111,10 @@ fn friction_that_locks_the_mechanism_against_its_drive_is_an_error() {
 
 #[test]
 fn prescribed_motions_without_a_motion_are_rejected_with_their_name() {
-    let refused = |motion: &Value, words: &[&str]| {
-        assert_says(refusal(lift(motion)), words);
-    };
-    refused(&json!({}), &["actuators.winch.motion", "without a profile needs position"]);
-    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile needs distance"]);
-    refused(&json!({ "profile": "cycloidal", "duration": 0, "distance": 1 }), &["motion.duration = 0", "> 0"]);
-    refused(
-        &json!({ "profile": "trapezoid", "distance": 1, "speed": 1, "acceleration": 1, "duration": 2 }),
-        &["motion.duration", "a trapezoid does not use this key"],
-    );
-    refused(&json!({ "profile": "table", "points": [[0, 0], [0, 1]] }), &["motion.points", "ascending times"]);
-    refused(&json!({ "position": 1, "start_time": 1 }), &["motion.start_time", "does not use this key"]);
-    refused(&json!({ "profile": "sine" }), &["actuators.winch.motion.profile", "sine"]);
+    assert_rejected("motions", lift(&json!({ "position": 0.5 })));
     let mut two = slider_crank(&json!({ "position": 0.3 }));
     two["actuators"]["ram"] = json!({ "joint": "guide", "motion": { "position": 0.44 } });
     assert_says(refusal(two), &["motor already has a prescribed motion"]);
-    let mut equilibrium = lift(&json!({ "position": 0.5 }));
-    equilibrium["start"] = json!("equilibrium");
-    assert_says(refusal(equilibrium), &["with a prescribed motion, because every position is then an equilibrium"]);
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
     assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);

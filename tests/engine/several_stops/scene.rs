@@ -1,12 +1,49 @@
-//! Random scenes: their definition, and the comparison of a run with the oracle.
+//! A block or a slider-crank with stops: its definition.
 
-use super::oracle::{CRANK, Held, Machine, Oracle, POST, Quantity, ROD, Stop};
 use crate::support::Run;
 use crate::support::definition::{self, With};
-use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// A scene: a machine with its start, its stops, and a sequence of loads.
+/// The quantity that a stop limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quantity {
+    /// Position of the slide.
+    Slide,
+    /// Distance of the block or of the crank's end from a post.
+    Distance,
+}
+
+/// A block of a mass [kg] on a slide, or a slider-crank with an inertia [kg.m2] of the crank, a mass [kg] of the slider
+/// and a rod without mass.
+#[derive(Clone, Copy, Debug)]
+pub enum Machine {
+    Block(f64),
+    Crank(f64, f64),
+}
+
+const CRANK: f64 = 0.3;
+const ROD: f64 = 0.8;
+const POST: [f64; 2] = [0.2, 0.7];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Stop {
+    pub quantity: Quantity,
+    /// 1 for an upper stop, -1 for a lower one.
+    pub sign: f64,
+    pub value: f64,
+    /// Restitution of a rigid stop.
+    pub rigid: Option<f64>,
+    pub stiffness: f64,
+    pub damping: f64,
+}
+
+/// Distance of the crank's end from the post at an angle [m].
+pub fn distance(angle: f64) -> f64 {
+    let (sin, cos) = angle.sin_cos();
+    (CRANK * cos - POST[0]).hypot(CRANK * sin - POST[1])
+}
+
+/// A machine with its start and its stops.
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub machine: Machine,
@@ -14,22 +51,15 @@ pub struct Scene {
     pub stops: Vec<Stop>,
     /// Stop that has a lock.
     pub lock: Option<usize>,
-    /// Load, whether the lock is engaged, duration [s], number of communication steps.
-    pub phases: Vec<(f64, bool, f64, u32)>,
 }
 
 impl Scene {
     pub fn definition(&self) -> String {
         let stops = self.stops.iter().enumerate().map(|(k, stop)| {
-            let mut out = match (self.machine, stop.quantity) {
-                (_, Quantity::Slide) | (Machine::Block(_), Quantity::Angle) => {
-                    json!({ "joint": self.slide(), "position": stop.value })
-                }
-                (_, Quantity::Angle) => json!({ "body": "crank", "angle": stop.value }),
-                (Machine::Block(_), _) => {
-                    json!({ "first": "ground.post", "second": "block.origin", "length": stop.value })
-                }
-                _ => json!({ "first": "ground.post", "second": "crank.end", "length": stop.value }),
+            let point = if matches!(self.machine, Machine::Block(_)) { "block.origin" } else { "crank.end" };
+            let mut out = match stop.quantity {
+                Quantity::Slide => json!({ "joint": self.slide(), "position": stop.value }),
+                Quantity::Distance => json!({ "first": "ground.post", "second": point, "length": stop.value }),
             };
             out["limit"] = json!(if stop.sign > 0.0 { "upper" } else { "lower" });
             match stop.rigid {
@@ -73,113 +103,6 @@ impl Scene {
     pub fn run(&self) -> Run {
         Run::new(self.definition()).started()
     }
-
-    pub fn names(&self) -> [&'static str; 3] {
-        match self.machine {
-            Machine::Block(_) => ["slide.position", "slide.speed", "load.force"],
-            Machine::Crank(..) => ["crank.angle", "crank.speed", "load.torque"],
-        }
-    }
-
-    pub fn oracle(&self, h: f64, perturbation: f64) -> Oracle {
-        let ([y, v], touching) = (self.start, vec![false; self.stops.len()]);
-        let (machine, stops) = (self.machine, self.stops.clone());
-        Oracle {
-            machine,
-            stops,
-            y,
-            v: v * (1.0 + perturbation),
-            touching,
-            held: None,
-            lock: None,
-            h,
-            perturbation,
-            grazed: false,
-        }
-    }
-
-    /// Compare the run with two oracles. The difference of the oracles is a bound on their errors. Returns the number
-    /// of phases that could be compared, and the largest number of stops that were reached at once.
-    pub fn compare(&self) -> Result<(u32, usize), TestCaseError> {
-        let (mut run, mut one, mut other) = (self.run(), self.oracle(2e-5, 0.0), self.oracle(1.1e-5, 1e-10));
-        let [position, speed, input] = self.names();
-        let (mut compared, mut most) = (0, 0);
-        for &(load, engaged, span, steps) in &self.phases {
-            let lock = self.lock.filter(|_| engaged);
-            run.set(input, load);
-            if self.lock.is_some() {
-                run.set("latch.engage", engaged);
-            }
-            let stepped = (0..steps).try_for_each(|_| run.0.step(span / f64::from(steps)));
-            prop_assert!(stepped.is_ok(), "phase {compared}: {}", stepped.unwrap_err());
-            for oracle in [&mut one, &mut other] {
-                oracle.engage(lock);
-                oracle.advance(load, span);
-            }
-            let doubt = (one.y - other.y).abs() + 0.01 * (one.v - other.v).abs();
-            if doubt > 1e-6 || one.grazed {
-                break;
-            }
-            compared += 1;
-            let (y, v) = (run.get(position), run.get(speed));
-            let off = (y - one.y).abs() + 0.01 * (v - one.v).abs();
-            prop_assert!(
-                off < 1e-7 + 30.0 * doubt,
-                "phase {compared}: {y} {v}, but {} {} {:?}\n{}",
-                one.y,
-                one.v,
-                one.held,
-                self.definition()
-            );
-            let reached = (0..self.stops.len()).filter(|k| run.is(&format!("s{k}.reached"))).count();
-            most = most.max(reached);
-            for (k, stop) in self.stops.iter().enumerate() {
-                let beyond = one.beyond(stop, one.y, one.v)[0];
-                if beyond.abs() > 1e-6 || one.held == Some(Held::Stop(k)) {
-                    let flag = run.is(&format!("s{k}.reached"));
-                    prop_assert_eq!(flag, beyond > -1e-6, "flag of s{} at {}\n{}", k, beyond, self.definition());
-                }
-            }
-            prop_assert!(run.get("energy.drift").abs() < 1e-5, "drift {}", run.get("energy.drift"));
-        }
-        Ok((compared, most))
-    }
-}
-
-/// A stop at a distance from the start value of its quantity.
-pub fn stop() -> impl Strategy<Value = (u8, bool, f64, Option<f64>, f64, f64)> {
-    let rigid = proptest::option::weighted(0.3, 0.0..=1.0f64);
-    let damping = prop_oneof![Just(0.0), 0.1..60.0f64];
-    (0..3u8, any::<bool>(), 0.02..0.35f64, rigid, 1.7..3.7f64, damping)
-}
-
-pub fn scene() -> impl Strategy<Value = Scene> {
-    let phase = (-100.0..100.0f64, any::<bool>(), 0.02..0.3f64, 1..8u32);
-    let phases = proptest::collection::vec(phase, 1..6);
-    let start = (0.3..2.8f64, -4.0..4.0f64);
-    let (stops, lock) = (proptest::collection::vec(stop(), 2..7), proptest::option::weighted(0.3, 0..6usize));
-    (any::<bool>(), 0.3..4.0f64, start, stops, lock, phases).prop_map(|(block, mass, start, stops, lock, phases)| {
-        let machine = if block { Machine::Block(mass) } else { Machine::Crank(0.4, mass) };
-        let start = [if block { start.0 - 1.5 } else { start.0 }, start.1];
-        let stops = stops.into_iter().map(|(kind, upper, gap, rigid, decades, damping)| {
-            let quantity = match kind {
-                0 if !block => Quantity::Angle,
-                2 => Quantity::Distance,
-                _ => Quantity::Slide,
-            };
-            let gap = if quantity == Quantity::Angle { 8.0 * gap } else { gap };
-            let [at, _] = machine.quantity(quantity, start[0]);
-            let sign = if upper { 1.0 } else { -1.0 };
-            let value = match quantity {
-                Quantity::Distance => at * (1.0 + sign * gap),
-                _ => at + sign * gap,
-            };
-            Stop { quantity, sign, value, rigid, stiffness: 10f64.powf(decades), damping }
-        });
-        let stops: Vec<Stop> = stops.collect();
-        let lock = lock.filter(|&k| block && k < stops.len() && stops[k].quantity == Quantity::Slide);
-        Scene { machine, start, stops, lock, phases }
-    })
 }
 
 pub fn bumper(quantity: Quantity, sign: f64, value: f64, stiffness: f64, damping: f64) -> Stop {
@@ -192,5 +115,5 @@ pub fn rigid(quantity: Quantity, sign: f64, value: f64, restitution: f64) -> Sto
 
 /// A block of 1 kg that starts from rest at 0.
 pub fn block(stops: &[Stop]) -> Scene {
-    Scene { machine: Machine::Block(1.0), start: [0.0; 2], stops: stops.to_vec(), lock: None, phases: Vec::new() }
+    Scene { machine: Machine::Block(1.0), start: [0.0; 2], stops: stops.to_vec(), lock: None }
 }

@@ -155,9 +155,9 @@ fn malformed(random: &mut Random, text: &str) -> String {
                 rename(&mut value, place, &name);
             }
             _ => {
-                let depth = 1 << random.below(14);
-                let open = random.pick(&["[", "{\"a\":"]);
-                let close = if open == "[" { "]" } else { "}" };
+                let depth = 1 << random.below(18);
+                let open = random.pick(&["[", "{\"a\":", "{\"bodies\":{\"ground\":"]);
+                let close = if random.chance(0.5) { "" } else { random.pick(&["]", "}"]) };
                 text = Some(placed(&value, place, &format!("{}1{}", open.repeat(depth), close.repeat(depth))));
             }
         }

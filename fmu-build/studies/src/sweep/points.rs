@@ -158,7 +158,7 @@ mod tests {
         let mut points = Points::read(&path, &gear).unwrap();
         assert_eq!((points.lines(), &*points.factors()[1].texts[2]), (5000, "a, b"));
         let mut other = points.clone();
-        for k in 0..5000_u64 {
+        for k in (0..5000_u64).step_by(11) {
             let line = k * 1237 % 5000;
             let expected = [line as f64 + 0.25, (line % 3) as f64, (line % 2) as f64];
             assert_eq!(points.line(line), expected);

@@ -78,7 +78,7 @@ fn a_study_that_was_ended_is_resumed() {
     // An instant in between makes steps necessary, which last longer than the energy integral.
     let course = json!({ "course": "crank.angle", "times": [0.01] });
     let responses = json!({ "met": { "event": "retracted" }, "course": course });
-    let study = of(&folder, "study.json", 60_000, responses);
+    let study = of(&folder, "study.json", 30_000, responses);
     let (whole, parts) = (folder.0.join("whole"), folder.0.join("parts"));
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
     let size = || fs::metadata(parts.join("runs.journal")).map_or(0, |file| file.len());
@@ -88,7 +88,7 @@ fn a_study_that_was_ended_is_resumed() {
         let mut child = start(&study, &parts, &options);
         options = vec!["--csv", "--resume"];
         // Until some more chunks are completed.
-        while size() < before + 100_000 && child.try_wait().unwrap().is_none() {
+        while size() < before + 50_000 && child.try_wait().unwrap().is_none() {
             thread::sleep(Duration::from_millis(1));
         }
         if child.try_wait().unwrap().is_some() {
@@ -114,7 +114,7 @@ fn a_study_that_was_ended_is_resumed() {
     for name in ["runs.csv", "runs.parquet", "study.json"] {
         assert!(fs::read(whole.join(name)).unwrap() == fs::read(parts.join(name)).unwrap(), "{name}");
     }
-    assert_eq!(Rows::read(&parts.join("runs.csv")).rows.len(), 60_000);
+    assert_eq!(Rows::read(&parts.join("runs.csv")).rows.len(), 30_000);
 }
 
 /// If the disk is full, first for the journal and then for the results, completed chunks remain.

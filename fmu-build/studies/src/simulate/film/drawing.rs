@@ -5,6 +5,7 @@
 use super::Still;
 use super::canvas::{Canvas, Colour, Font, Point, Size, WHITE, between, distance, hull};
 use anyhow::Result;
+use fmu_build::drawing::BODIES;
 use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, DrawnOutline, On, Pose, Scene, Surface};
 
 /// Width of all pictures, and bounds of their height [px].
@@ -17,17 +18,6 @@ const MARGIN: f64 = 22.0;
 /// Half the width of a body relative to the size of the mechanism, and its bounds [px].
 const HALF: f64 = 0.02;
 const HALVES: [f64; 2] = [2.6, 5.0];
-/// Colours of the bodies, as in the page of `cargo fmu view`.
-const BODIES: [Colour; 8] = [
-    [0x3f, 0x7f, 0xc1],
-    [0xd9, 0x83, 0x24],
-    [0x3a, 0x9d, 0x6b],
-    [0x8c, 0x62, 0xc0],
-    [0xc9, 0x50, 0x6f],
-    [0x25, 0x98, 0xa3],
-    [0x94, 0x81, 0x2f],
-    [0x6d, 0x7f, 0x95],
-];
 /// Colours of lines, joints and text; of the ground and secondary text; of drives; of springs; of markers and their
 /// paths.
 const INK: Colour = [38, 50, 56];
