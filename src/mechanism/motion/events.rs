@@ -16,6 +16,7 @@
 //! undoes it soon. It must not know what follows from an event.
 use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step, System};
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::contact::{Contact, Ends, Place};
 use crate::mechanism::reduced::{AT_KNOT, StateLoads};
@@ -146,6 +147,12 @@ impl Guards {
         Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers() }
     }
 
+    /// Whether stops are the only guards.
+    #[inline(always)]
+    fn are_stops(&self) -> bool {
+        self.ends[5] == 0
+    }
+
     /// Their indices.
     #[inline(always)]
     fn indices(&self) -> Range<usize> {
@@ -187,6 +194,10 @@ where
 {
     let guards = Guards::new(dynamics, around.0, step);
     let mut along = Along::new(dynamics, integrator, around, step, tolerance);
+    // Most steps come near no stop, and most motions have no other guards.
+    if guards.are_stops() && !along.near.any(around.0) && around.1.touching() == BumperSet::EMPTY {
+        return None;
+    }
     // All guards are asked before the interpolant, whose evaluations add samples of the switching quantities. The last
     // mark is that of all further guards.
     let (mark, mut marks) = (|index: usize| 1_u128 << index.min(127), 0);

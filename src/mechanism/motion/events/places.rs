@@ -32,6 +32,13 @@ impl Near {
         end >= 0.0 || start.max(end) + self.bulge > 0.0
     }
 
+    /// Whether any place may be passed or is behind the mechanism.
+    #[inline(always)]
+    pub fn any(&self, ends: &Ends) -> bool {
+        let places = |side: usize| (0..ends.bumpers()).filter_map(move |bumper| ends.bumper(side, bumper));
+        (0..2).any(|side| self.may_pass(ends.limits[side], side) || places(side).any(|p| self.may_pass(p, side)))
+    }
+
     /// Whether a place may be passed or is behind the mechanism.
     #[inline]
     pub fn may_pass_place(&self, ends: &Ends, place: Place) -> bool {
