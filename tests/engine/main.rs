@@ -12,6 +12,7 @@ mod cavitation;
 mod characteristics;
 mod contact_at_start;
 mod control;
+mod conveyor;
 mod coupling_hosts;
 mod couplings;
 mod creep;

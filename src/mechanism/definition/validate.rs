@@ -161,6 +161,8 @@ impl Mechanism {
             let no_slide = "only a prismatic joint has this key: remove the key";
             let no_pin = "only a revolute joint has this key: remove the key";
             let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
+            let no_radius = "a revolute joint without pin_radius has no friction, so the speed of its surface has no \
+                             effect: add pin_radius, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
@@ -170,6 +172,8 @@ impl Mechanism {
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
                 ("kinetic_coefficient", joint.kinetic_coefficient, without, no_friction),
+                ("surface_speed", joint.surface_speed, without, no_friction),
+                ("surface_speed", joint.surface_speed, is_revolute && joint.pin_radius.is_none(), no_radius),
             ] {
                 if value.is_some() && excluded {
                     faults.refuse(key(k), message);

@@ -26,6 +26,12 @@ pub(super) fn add_inputs(b: &mut Builder) {
     for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
         b.load_input(&["External torque on the body ", &t.on, ", anticlockwise positive"], NewtonMetre, t.torque);
     }
+    for (name, joint) in m.joints.iter() {
+        if let Some(speed) = joint.surface_speed {
+            let text = ["Speed of the surface on which the second body slides in the joint ", name];
+            b.load_input(&text, MetrePerSecond, speed);
+        }
+    }
 }
 
 pub(super) fn add_airspeed(b: &mut Builder) {

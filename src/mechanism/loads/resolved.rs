@@ -23,7 +23,7 @@ use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
 pub use drives::{Drive, DriveLaw, Efficiency};
-use ends::{Hinges, between};
+use ends::{Hinges, between, joint_load};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NO_HYDRAULICS, NetworkDrives, PORTS, allow_hydraulics};
 
@@ -173,6 +173,8 @@ impl Loading {
             let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body), shift: 0.0 };
             if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
         }
+        let surfaces = mechanism.joints.iter().enumerate().filter(|(_, (_, own))| own.surface_speed.is_some());
+        sized.extend(surfaces.map(|(joint, (name, _))| (surface_speed(name), joint_load(linkage, joint, 0.0))));
         for (coupling, (_, defined)) in mechanism.couplings.iter().enumerate() {
             if let Some(pretension) = defined.pretension {
                 constant.push(couplings::pretension(linkage, coupling, pretension));
@@ -292,9 +294,18 @@ impl Loading {
         self.sized() + self.springs.len()
     }
 
-    /// Whether an input is a command of the law of a drive: then the load of this index has no potential.
+    /// Whether an input is a command of the law of a drive, or the speed of a surface: then the load of this index has
+    /// no potential.
     pub fn is_command(&self, load: usize) -> bool {
         self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
+            || self.surfaces().any(|(_, surface)| surface == load)
+    }
+
+    /// Joints whose first body has a surface that is driven, by their indices among the joints with friction, each with
+    /// the index of the input that is the speed of this surface. The load of the same index has the size 0.
+    pub fn surfaces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let joints = self.friction.iter().flat_map(|friction| &friction.friction_joints);
+        joints.enumerate().filter_map(|(index, joint)| Some((index, joint.surface?)))
     }
 
     /// The states of all controllers, each with the index of its drive, in the order of their indices.
@@ -334,6 +345,11 @@ impl Loading {
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
     }
+}
+
+/// Name of the input that is the speed of the surface of a joint's first body.
+fn surface_speed(joint: &str) -> String {
+    format!("{joint}.surface_speed")
 }
 
 /// Markers of a definition, in its order.

@@ -363,6 +363,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
+                self.dynamics.set_time(self.progress.t);
                 self.dynamics.change_regime(joint, z[0], z[1]);
                 if let Some(regime) = self.dynamics.regime(joint) {
                     self.tell(What::Regime { joint, regime });

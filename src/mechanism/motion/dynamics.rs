@@ -149,13 +149,13 @@ pub trait Dynamics<const N: usize>: System<N> {
         0
     }
 
-    /// Slip speed of a joint [m/s].
+    /// Slip speed of a joint [m/s] at the time of [`Self::set_time`].
     fn slip(&mut self, _joint: usize, _sigma: f64, _sigma_dot: f64) -> f64 {
         0.0
     }
 
-    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of sigma and sigma_dot.
-    fn slip_bounds(&mut self, _joint: usize, _sigma: Enclosure, _sigma_dot: Enclosure) -> Enclosure {
+    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of time, sigma and sigma_dot.
+    fn slip_bounds(&mut self, _joint: usize, _motion: [Enclosure; 3]) -> Enclosure {
         Enclosure::constant(0.0)
     }
 
@@ -164,8 +164,8 @@ pub trait Dynamics<const N: usize>: System<N> {
         (0.0, TablePosition { panel: 0, x: 0.0 })
     }
 
-    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
-    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), _rates: [f64; 2]) -> [f64; 2] {
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these time, sigma_dot and sigma_ddot.
+    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), _rates: [f64; 3]) -> [f64; 2] {
         [0.0; 2]
     }
 

@@ -12,7 +12,7 @@ use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::reduced::AT_KNOT;
 use crate::numerics::bracket::{bisect, false_position};
-use crate::numerics::enclosure::Enclosure;
+use crate::numerics::enclosure::{Enclosure, Interval};
 use crate::numerics::passage::Bounded;
 use crate::numerics::table::TablePosition;
 pub use levels::{first_level, may_pass_level};
@@ -154,7 +154,7 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
     let is_own = |part: &f64| reversal.is_none_or(|reversal| *part < reversal - BEFORE_REVERSAL);
     for joint in changing.unwrap_or(joints)..joints {
         if changing == Some(joint) || may_change(dynamics, joint) {
-            offer(regime_change(dynamics, dense, joint).filter(is_own), Event::Regime(joint));
+            offer(regime_change(dynamics, (step, dense), joint).filter(is_own), Event::Regime(joint));
         }
     }
     for switch in (0..64).filter(|switch| switching >> switch & 1 == 1) {
@@ -288,7 +288,10 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
     match event {
         Event::Reversal => -dynamics.direction() * z[1],
         Event::Bumper(bumper) => excess_of_bumper(dynamics, bumper, contact.touching().contains(bumper), [z[0], z[1]]),
-        Event::Regime(joint) => excess_of_slip(dynamics, joint, [z[0], z[1]]),
+        Event::Regime(joint) => {
+            dynamics.set_time(t);
+            excess_of_slip(dynamics, joint, [z[0], z[1]])
+        }
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
         Event::Level(level) => dynamics.level(level, z).map_or(0.0, |level| level.excess(z)),
@@ -371,20 +374,22 @@ fn border_passage<D: Dynamics<N>, const N: usize>(
     there.unwrap_or(passed)
 }
 
-/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
-type SlipEnd = ((f64, TablePosition), [f64; 2]);
+/// sigma at an end of a step with its position in the table, and time, sigma_dot and sigma_ddot there.
+type SlipEnd = ((f64, TablePosition), [f64; 3]);
 
 /// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
 struct SlipBounds {
     h: f64,
-    /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
+    /// Position, time, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
     ends: Option<[SlipEnd; 2]>,
 }
 
 impl SlipBounds {
     fn new<D: Dynamics<N>, const N: usize>(dynamics: &D, step: &Step<N>) -> Self {
-        let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
-        Self { h: step.h, ends: step.rates().map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
+        let end = |t: f64, y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [t, y[1], f[1]]);
+        let ends =
+            |[first, last]: [&[f64; N]; 2]| [end(step.t, &step.start, first), end(step.t + step.h, &step.end, last)];
+        Self { h: step.h, ends: step.rates().map(ends) }
     }
 
     /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
@@ -406,18 +411,26 @@ impl SlipBounds {
 }
 
 /// Part of a step after which the slip speed of a friction joint leaves the range of its regime.
-fn regime_change<D: Dynamics<N>, const N: usize>(dynamics: &mut D, dense: &Dense<N>, joint: usize) -> Option<f64> {
+fn regime_change<D: Dynamics<N>, const N: usize>(
+    dynamics: &mut D,
+    (step, dense): (&Step<N>, &Dense<N>),
+    joint: usize,
+) -> Option<f64> {
     const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
+    let time = |s: f64| step.t + s * step.h;
     let f = |s: f64| {
-        let v = dynamics.borrow_mut().slip(joint, dense.component(0, s), dense.component(1, s));
+        let mut dynamics = dynamics.borrow_mut();
+        dynamics.set_time(time(s));
+        let v = dynamics.slip(joint, dense.component(0, s), dense.component(1, s));
         (low - v).max(v - high)
     };
     let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
         let [sigma, sigma_dot] = motion.enclosures([a, b]);
-        let v = dynamics.borrow_mut().slip_bounds(joint, sigma, sigma_dot);
+        let t = Enclosure { value: Interval { low: time(a), high: time(b) }, slope: Interval::point(step.h) };
+        let v = dynamics.borrow_mut().slip_bounds(joint, [t, sigma, sigma_dot]);
         (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
     };
     let locate =

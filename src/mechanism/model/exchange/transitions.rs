@@ -116,7 +116,8 @@ pub fn value_of(
                 let joint = &friction.friction_joints[joint];
                 let border = if kinetic { joint.law.kinetic_speed } else { joint.law.static_speed };
                 let (table, position) = view.reduced.displacement_around(joint.load, state.sigma)?;
-                (table.value(position, 1) * v * joint.radius).abs() - border
+                let surface = joint.surface.map_or(0.0, |surface| view.size(surface));
+                (table.value(position, 1) * v * joint.radius - surface).abs() - border
             }
             _ => ABSENT,
         },

@@ -10,7 +10,7 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::dynamics::hydraulic::{BORDERS, DRIVEN, MOTION};
 use crate::mechanism::dynamics::network::{Level, NETWORKED};
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::loads::laws::friction::Regime;
+use crate::mechanism::loads::laws::friction::{Law, Regime};
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::reduced::StateLoads;
 use crate::numerics::enclosure::Enclosure;
@@ -187,7 +187,7 @@ where
 
     fn switching_input(&self, index: usize) -> Option<[f64; 3]> {
         let change = self.applied.change.as_ref()?;
-        let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
+        let of = |load: usize| self.applied.rates(load);
         let drives = &self.reduced.loading().drives;
         let at_rest = |state_loads: &StateLoads, drive: usize| {
             let law = state_loads.laws.iter().position(|law| law.drive == drive);
@@ -209,8 +209,16 @@ where
                 return Some([control.and_then(|own| own.limits[side]).unwrap_or(0.0) - force, -first, -second]);
             }
         }
-        let is_air = index == efficient + limits && self.scratch.air;
-        is_air.then(|| [self.applied.airspeed, change.airspeed[0], change.airspeed[1]])
+        let index = index - efficient - limits;
+        if index == 0 && self.scratch.air {
+            return Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]]);
+        }
+        let index = index - usize::from(self.scratch.air);
+        let (k, surface) = self.reduced.loading().surfaces().nth(index / 4)?;
+        let Law { static_speed, kinetic_speed, .. } = self.deciding::<N>()?.friction_joints.get(k)?.law;
+        let border = [-kinetic_speed, -static_speed, static_speed, kinetic_speed][index % 4];
+        let [speed, first, second] = of(surface);
+        Some([speed - border, first, second])
     }
 
     #[inline]
@@ -256,13 +264,20 @@ where
         } else {
             self.component(component, sigma)
         };
-        influence * sigma_dot * state_loads.friction_joints[joint].radius
+        let friction_joint = &state_loads.friction_joints[joint];
+        let surface = friction_joint.surface.map_or(0.0, |surface| self.applied.size(surface, self.time));
+        influence * sigma_dot * friction_joint.radius - surface
     }
 
-    fn slip_bounds(&mut self, joint: usize, sigma: Enclosure, sigma_dot: Enclosure) -> Enclosure {
+    fn slip_bounds(&mut self, joint: usize, [time, sigma, sigma_dot]: [Enclosure; 3]) -> Enclosure {
         let Some(state_loads) = self.deciding::<N>() else { return Enclosure::constant(0.0) };
         let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
-        influence * sigma_dot * state_loads.friction_joints[joint].radius
+        let friction_joint = &state_loads.friction_joints[joint];
+        let slip = influence * sigma_dot * friction_joint.radius;
+        friction_joint.surface.map_or(slip, |surface| {
+            let [speed, first, second] = self.applied.rates(surface).map(Enclosure::constant);
+            slip + -(speed + time * (first + time * second * 0.5))
+        })
     }
 
     fn slip_position(&self, sigma: f64) -> (f64, TablePosition) {
@@ -272,11 +287,16 @@ where
         (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
     }
 
-    fn slip_rate(&self, joint: usize, at: (f64, TablePosition), [sigma_dot, sigma_ddot]: [f64; 2]) -> [f64; 2] {
+    fn slip_rate(&self, joint: usize, at: (f64, TablePosition), [t, sigma_dot, sigma_ddot]: [f64; 3]) -> [f64; 2] {
         let ((_, Some(state_loads)), at) = (self.stretch_at(at.0), at.1) else { return [0.0; 2] };
         let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
         let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
-        [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+        let friction_joint = &state_loads.friction_joints[joint];
+        let slip = [influence * sigma_dot, rate].map(|v| v * friction_joint.radius);
+        friction_joint.surface.map_or(slip, |surface| {
+            let [speed, first, second] = self.applied.rates(surface);
+            [slip[0] - (speed + t * (first + 0.5 * t * second)), slip[1] - (first + t * second)]
+        })
     }
 
     fn regime(&self, joint: usize) -> Option<Regime> {

@@ -150,7 +150,7 @@ impl Dynamics<3> for Particle {
         v
     }
 
-    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), [v, a]: [f64; 2]) -> [f64; 2] {
+    fn slip_rate(&self, _joint: usize, _at: (f64, TablePosition), [_, v, a]: [f64; 3]) -> [f64; 2] {
         [v, a]
     }
 
