@@ -19,6 +19,8 @@ pub enum Quantity {
     Method,
     /// Whether a lock is engaged.
     Lock(usize),
+    /// Whether a lock has engaged by the force of its stop.
+    Engaged(usize),
     /// Whether a pressure lock of the network is engaged.
     PressureLock(usize),
     /// Whether the motion of a drive is prescribed.

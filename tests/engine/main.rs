@@ -47,6 +47,7 @@ mod integral_control;
 mod interface;
 mod interpolation;
 mod joint_elements;
+mod latches;
 mod linearisation;
 mod look_ahead;
 mod losses;

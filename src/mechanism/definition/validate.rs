@@ -357,6 +357,19 @@ impl Mechanism {
         for (name, lock) in self.locks.iter() {
             faults.keep(entry(format_args!("locks.{name}.stop"), "stops", &self.stops, &lock.stop));
             faults.keep(self.point(format_args!("locks.{name}.at"), &lock.at));
+            if lock.engage_force.is_none() {
+                continue;
+            }
+            let key = format_args!("locks.{name}.engage_force");
+            if lock.release_force.is_some() {
+                faults.refuse(key, "a lock cannot engage and release by force: remove engage_force or release_force");
+            }
+            if self.hydraulics.as_ref().is_some_and(|network| network.pressure_locks.get(name).is_some()) {
+                faults.refuse(
+                    key,
+                    "a pressure lock of hydraulics already engages this lock: remove engage_force, or rename the lock",
+                );
+            }
         }
     }
 

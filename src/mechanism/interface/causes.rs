@@ -209,7 +209,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     let stop = |l: &'l Loading| l.defined_stops().find(|s| s.load == load);
     let lock = |l: &'l Loading| {
         let of_stop = l.locks.iter().filter(|lock| l.stops[lock.stop].load == load);
-        of_stop.map(|lock| lock.release).collect::<Vec<_>>()
+        of_stop.map(|lock| (lock.release, lock.engage)).collect::<Vec<_>>()
     };
     let drag = |l: &'l Loading| {
         let air = l.air.as_ref()?;

@@ -88,9 +88,19 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
-        let text = b.text(|| {
-            ["true: the lock ", name, " is engaged. An engaged lock holds the mechanism at the stop ", &lock.stop]
-                .concat()
+        let text = b.text(|| match lock.engage_force {
+            None => {
+                ["true: the lock ", name, " is engaged. An engaged lock holds the mechanism at the stop ", &lock.stop]
+                    .concat()
+            }
+            Some(_) => [
+                "true: the lock ",
+                name,
+                " engages when the force of the stop ",
+                &lock.stop,
+                " exceeds engage_force; false: the lock releases",
+            ]
+            .concat(),
         });
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
@@ -171,5 +181,9 @@ pub(super) fn add_locks(b: &mut Builder) {
         let stop = &s.loading.stops[lock.stop].name;
         let text = ["Force of the lock ", &lock.name, " on the mechanism, positive towards the stop ", stop];
         b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
+        if lock.engage.is_some() {
+            let text = b.text(|| ["True while the lock ", &lock.name, " is engaged"].concat());
+            b.any_output([&lock.name, ".engaged"].concat(), text, None, Quantity::Engaged(i), Needs::default());
+        }
     }
 }

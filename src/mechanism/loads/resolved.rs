@@ -109,6 +109,8 @@ pub struct Lock {
     pub at: Point,
     /// Force on this point at which the lock releases [N]; None for a lock that holds against any load.
     pub release: Option<f64>,
+    /// Force of the stop above which the lock engages [N or N.m]; None for a lock that engages at the stop.
+    pub engage: Option<f64>,
 }
 
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
@@ -259,7 +261,8 @@ impl Loading {
                 return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
-            self.locks.push(Lock { name: name.into(), stop, at, release: lock.release_force });
+            let (release, engage) = (lock.release_force, lock.engage_force);
+            self.locks.push(Lock { name: name.into(), stop, at, release, engage });
         }
         Ok(())
     }

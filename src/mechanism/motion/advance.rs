@@ -4,7 +4,8 @@
 //! Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on the
 //! interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
 //! span (`step_ahead.rs`). Must not know: what moves.
-use crate::integrator::{IntegrationError, Integrator, Step};
+use crate::integrator::{IntegrationError, Integrator};
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
@@ -49,7 +50,8 @@ pub struct Advance<'a, D, const N: usize> {
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
-    pub ends: &'a Ends<'a>,
+    /// The places of the stops. A lock that engages by force does so here within the span.
+    pub ends: Ends<'a>,
     pub contact: &'a mut Contact,
     pub witness: &'a mut Witness,
     pub tolerance: f64,
@@ -85,9 +87,6 @@ pub struct Progress {
 /// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way
 /// to the knot, and its error estimate sees what is there, however narrow.
 const BEYOND_KNOT: f64 = 1.1;
-/// Part of a step before which no knot may be passed.
-const FARTHEST_KNOT: f64 = 0.8;
-
 /// Growth of a step after one that was made shorter because it was too coarse for its events.
 const GROWTH: f64 = 3.0;
 
@@ -162,7 +161,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             };
             // Earliest event in it.
             let (mut dense, held) = (None, self.progress.held.take());
-            let around = (self.ends, &*self.contact);
+            let around = (&self.ends, &*self.contact);
             let laws = (held, self.tolerance);
             let found = earliest_event(self.dynamics, self.integrator, around, step, laws, &mut dense);
             if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
@@ -278,18 +277,6 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         }
     }
 
-    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
-    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
-    #[inline(always)]
-    fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
-        let is_knot = match found.event {
-            Event::Knot(_) => true,
-            Event::Border(border) => self.dynamics.is_kink(border),
-            _ => false,
-        };
-        (is_knot && found.part < FARTHEST_KNOT).then_some(step.t + BEYOND_KNOT * found.part * step.h)
-    }
-
     /// A step beyond the span was in vain: the next ones end with it.
     #[inline(always)]
     fn stay_within(&mut self) {
@@ -334,6 +321,9 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
             self.dynamics.set_touching(self.contact.touching());
             self.dynamics.set_regimes(z[0], z[1]);
             self.progress.is_settled = true;
+            if self.ends.locked.waiting.bumpers != BumperSet::EMPTY {
+                self.engage_pressed(z);
+            }
         }
         if self.dynamics.has_reversals() && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
             return self.wait_at_rest(z, span);
@@ -394,6 +384,12 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
                     self.tell(What::Left { stop: self.ends.travel.bumpers[bumper].stop });
                 } else {
                     self.touched(bumper);
+                }
+            }
+            Event::Engages(bumper, _) => {
+                self.engage(Place::of_bumper(0, bumper));
+                if self.pauses() {
+                    return Err(Stopped::Event(self.progress));
                 }
             }
             Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {

@@ -11,11 +11,12 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::motion::contact::{Contact, Ends, Place, outward};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::reduced::AT_KNOT;
-use crate::numerics::bracket::{bisect, false_position};
+use crate::numerics::bracket::false_position;
 use crate::numerics::enclosure::{Enclosure, Interval};
 use crate::numerics::passage::Bounded;
 use crate::numerics::table::TablePosition;
 pub use levels::{first_level, may_pass_level};
+use pushes::{bumper_event, excess_of_bumper, press_event};
 use std::cell::RefCell;
 use switches::{may_switch, passage_of_switch};
 
@@ -36,6 +37,8 @@ pub enum Event {
     Stop(Place),
     /// This bumper begins or ceases to push.
     Bumper(usize),
+    /// This bumper pushes harder than this force [N or N.m]: the lock that waits there engages.
+    Engages(usize, f64),
     /// sigma_dot changes its sign.
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
@@ -56,7 +59,7 @@ pub enum Event {
 impl Event {
     /// Written or read; [`Self::Undefined`] is not one to keep.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        let mut sigma = 0.0;
+        let (mut sigma, mut force) = (0.0, 0.0);
         let (mut kind, mut index, mut place) = match *self {
             Self::Stop(place) => (0, 0, place),
             Self::Bumper(bumper) => (1, bumper, Place::default()),
@@ -69,13 +72,20 @@ impl Event {
                 (6, 0, Place::default())
             }
             Self::Level(level) => (7, level, Place::default()),
+            Self::Engages(bumper, least) => {
+                force = least;
+                (8, bumper, Place::default())
+            }
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 8)?;
+        record.choice("event", &mut kind, 9)?;
         match kind {
             0 => place.record(record)?,
             6 => record.finite("position of an event", &mut sigma)?,
             _ => record.place("index of an event", &mut index, usize::MAX)?,
+        }
+        if kind == 8 {
+            record.finite("force of an event", &mut force)?;
         }
         *self = match kind {
             0 => Self::Stop(place),
@@ -85,6 +95,7 @@ impl Event {
             4 => Self::Border(index),
             6 => Self::Knot(sigma),
             7 => Self::Level(index),
+            8 => Self::Engages(index, force),
             _ => Self::Switch(index),
         };
         Ok(())
@@ -200,6 +211,10 @@ pub fn earliest_event<D: Dynamics<N>, const N: usize>(
             let is_own = |part: &f64| !touches || back.is_none_or(|back| *part < back - BEFORE_LOCK);
             offer(part.filter(is_own), Event::Bumper(bumper));
         }
+        let least = ends.engages_at(Place::of_bumper(0, bumper));
+        if touches && least.is_finite() {
+            offer(press_event(dynamics, dense, (bumper, least)), Event::Engages(bumper, least));
+        }
     }
     let found = earliest.map(|(part, event)| Found { part, state: dense.at(part), event })?;
     if let Event::Border(_) = found.event
@@ -292,22 +307,13 @@ pub fn excess<D: Dynamics<N>, const N: usize>(
             dynamics.set_time(t);
             excess_of_slip(dynamics, joint, [z[0], z[1]])
         }
+        Event::Engages(bumper, least) => dynamics.bumper_push(bumper, z[0], z[1]).1 - least,
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
         Event::Level(level) => dynamics.level(level, z).map_or(0.0, |level| level.excess(z)),
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
         Event::Stop(_) | Event::Undefined => 0.0,
     }
-}
-
-fn excess_of_bumper<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    bumper: usize,
-    touches: bool,
-    [sigma, sigma_dot]: [f64; 2],
-) -> f64 {
-    let (beyond, push) = dynamics.bumper_push(bumper, sigma, sigma_dot);
-    if touches { -push } else { beyond.min(push) }
 }
 
 fn excess_of_slip<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize, [sigma, sigma_dot]: [f64; 2]) -> f64 {
@@ -317,36 +323,6 @@ fn excess_of_slip<D: Dynamics<N>, const N: usize>(dynamics: &mut D, joint: usize
 
 fn towards(sign: f64) -> Direction {
     if sign > 0.0 { Direction::Rising } else { Direction::Falling }
-}
-
-/// Part of a step after which a bumper that touches would pull, so that it lets go; or one that does not touch, but is
-/// pressed, would push, so that it begins to.
-fn bumper_event<D: Dynamics<N>, const N: usize>(
-    dynamics: &mut D,
-    dense: &Dense<N>,
-    bumper: usize,
-    touches: bool,
-) -> Option<f64> {
-    const PARTS: usize = 12;
-    let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| excess_of_bumper(*dynamics.borrow_mut(), bumper, touches, [0, 1].map(|n| dense.component(n, s)));
-    let motion = dense.bounded([0, 1]);
-    let bounds = |a: f64, b: f64| {
-        let [sigma, sigma_dot] = motion.enclosures([a, b]);
-        let [beyond, push] = dynamics.borrow_mut().bumper_bounds(bumper, sigma, sigma_dot);
-        if touches { -push } else { beyond.min(push) }
-    };
-    let locate =
-        |f: &mut dyn FnMut(f64) -> f64, (a, _): (f64, f64), (b, _): (f64, f64)| bisect(|s| f(s) > 0.0, a, b)[1];
-    let start = f(0.0);
-    if start > 0.0 {
-        // Rounding, unless it grows.
-        let (first, slope) = (1.0 / PARTS as f64, bounds(0.0, 1.0 / PARTS as f64).slope);
-        if slope.low > 0.0 || (slope.high > 0.0 && f(first) > start) {
-            return Some(REGIME_TOLERANCE);
-        }
-    }
-    Bounded { f, bounds, locate }.first_rise(start, PARTS)
 }
 
 /// Part of a step after which a border is passed that is between its ends: where a state is at it, or else located as a
@@ -440,4 +416,5 @@ fn regime_change<D: Dynamics<N>, const N: usize>(
 }
 
 mod levels;
+mod pushes;
 mod switches;

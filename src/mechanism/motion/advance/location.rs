@@ -1,7 +1,7 @@
 //! Location of an event found in a step: on the interpolant where that is exact, else by a step that ends at the event.
 //!
 //! In: a step, an event on its interpolant. Out: the step that ends at the event. It must not know what moves.
-use super::Advance;
+use super::{Advance, BEYOND_KNOT};
 use crate::integrator::{Dense, Step};
 use crate::mechanism::motion::dynamics::Dynamics;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
@@ -13,6 +13,8 @@ const RESOLVED: f64 = 0.01;
 const NEGLIGIBLE: f64 = 1e-6;
 /// Part of the scales below which an error is rounding, of Newton's method and of friction among others.
 const ROUNDING: f64 = 1e-12;
+/// Part of a step before which no knot may be passed.
+const FARTHEST_KNOT: f64 = 0.8;
 /// Steps in a row that may be taken again because they are too coarse.
 const MOST_REFINEMENTS: u32 = 20;
 
@@ -48,6 +50,18 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         ratio(0).max(ratio(1))
     }
 
+    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
+    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
+    #[inline(always)]
+    pub(super) fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
+        let is_knot = match found.event {
+            Event::Knot(_) => true,
+            Event::Border(border) => self.dynamics.is_kink(border),
+            _ => false,
+        };
+        (is_knot && found.part < FARTHEST_KNOT).then_some(step.t + BEYOND_KNOT * found.part * step.h)
+    }
+
     /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the
     /// place of a stop to the last digit, near a knot, whose kink the interpolant has within it.
     #[inline(always)]
@@ -55,7 +69,7 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         let is_smooth = matches!(
             found.event,
             Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
-        );
+        ) || matches!(found.event, Event::Engages(..));
         // The lock is to change at the same time in communication steps of any size.
         let is_level = matches!(found.event, Event::Level(_));
         // The interpolant has the kink within it.

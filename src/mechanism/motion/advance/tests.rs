@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used)]
 mod particle;
 
-use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::loads::laws::friction::{Law, Regime};
 use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place};
 use particle::{Particle, Run, bumper, falling, only, rigid};
@@ -120,8 +119,8 @@ fn a_bumper_pushes_for_half_a_period() {
 
 #[test]
 fn a_lock_catches_holds_and_lets_go() {
-    let at_rigid = EngagedLocks { rigid: [false, true], bumpers: BumperSet::EMPTY };
-    let at_bumper = EngagedLocks { rigid: [false; 2], bumpers: only(&[0]) };
+    let at_rigid = EngagedLocks { rigid: [false, true], ..EngagedLocks::default() };
+    let at_bumper = EngagedLocks { bumpers: only(&[0]), ..EngagedLocks::default() };
     for (stop, locked) in [(rigid(1, 1.0, 0.9), at_rigid), (bumper(1, [1e4, 0.0, 1.0]), at_bumper)] {
         let particle = Particle { force: [2.0, 0.0], ..Particle::default() };
         let mut mass = Run::new(particle, [0.0, 1.0], &[stop]);

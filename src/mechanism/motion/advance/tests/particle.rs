@@ -119,7 +119,7 @@ impl Dynamics<3> for Particle {
         [beyond, beyond * stiffness + v * (damping * outward(side))]
     }
 
-    fn slip_bounds(&mut self, _joint: usize, _x: Enclosure, v: Enclosure) -> Enclosure {
+    fn slip_bounds(&mut self, _joint: usize, [_, _, v]: [Enclosure; 3]) -> Enclosure {
         v
     }
 
@@ -198,7 +198,7 @@ impl Run {
                 Stop::Bumper(bumper) => {
                     let mut positions = [None; 2];
                     positions[bumper.side] = Some(bumper.law[2]);
-                    travel.bumpers.push(BumperPlaces { stop: index, positions, slopes: [1.0; 2] });
+                    travel.bumpers.push(BumperPlaces { stop: index, positions, slopes: [1.0; 2], engages: None });
                     particle.bumpers.push(bumper);
                 }
             }
@@ -208,8 +208,8 @@ impl Run {
 
     pub(super) fn step(&mut self, span: f64) {
         let (locked, mut z) = (self.locked, [self.x, self.v, 0.0]);
-        let ends = &Ends::new(&self.travel, 0.0, locked);
-        self.contact.locks_set(ends);
+        let ends = Ends::new(&self.travel, 0.0, locked);
+        self.contact.locks_set(&ends);
         if self.lookahead.begin(TOLERANCE, locked) {
             self.integrator.branch_off();
         }
