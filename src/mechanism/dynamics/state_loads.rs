@@ -33,6 +33,8 @@ pub struct Mode {
     pub touching: BumperSet,
     /// Whether a stop, a lock, drives or friction hold the mechanism at rest while other parts of the state change.
     pub held: bool,
+    /// Whether driven surfaces are taken to stand still, so that a mechanism at rest has no friction.
+    pub still: bool,
 }
 
 /// Result of an evaluation.
@@ -382,7 +384,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
-            if let Some(surface) = friction_joint.surface {
+            if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
                 v = v - applied.size(surface, t);
             }
             if self.regimes[j].is_none() {
