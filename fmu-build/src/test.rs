@@ -105,5 +105,8 @@ fn style(workspace: &Workspace, python: &Path) -> Result<()> {
 
 fn stage<T>(name: &str, body: impl FnOnce() -> Result<T>) -> Result<T> {
     println!("== {name}");
-    body().with_context(|| format!("stage '{name}' failed"))
+    let start = Instant::now();
+    let result = body().with_context(|| format!("stage '{name}' failed"))?;
+    println!("== {name}: {:.0} s", start.elapsed().as_secs_f64());
+    Ok(result)
 }
