@@ -169,7 +169,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
     };
     // A command sizes a load by the law of its drive. The speed of a surface is no size.
     let unit = |load: usize| {
-        if loading.surfaces().any(|(_, surface)| surface == load) {
+        if loading.surfaces.contains(&load) {
             return 0.0;
         }
         let laws = loading.drives.iter().filter_map(|drive| drive.law.as_ref());

@@ -26,6 +26,7 @@ pub use drives::{Drive, DriveLaw, Efficiency};
 use ends::{Hinges, between, joint_load};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NO_HYDRAULICS, NetworkDrives, PORTS, allow_hydraulics};
+use std::ops::Range;
 
 /// All loads of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Loading {
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
+    /// The inputs among them that are speeds of surfaces, which friction is relative to: the last ones.
+    pub surfaces: Range<usize>,
     /// Sizes of the loads of constant size.
     pub constants: Vec<f64>,
     /// Springs.
@@ -175,8 +178,10 @@ impl Loading {
             let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body), shift: 0.0 };
             if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
         }
-        let surfaces = mechanism.joints.iter().enumerate().filter(|(_, (_, own))| own.surface_speed.is_some());
-        sized.extend(surfaces.map(|(joint, (name, _))| (surface_speed(name), joint_load(linkage, joint, 0.0))));
+        let first = sized.len();
+        let driven = mechanism.joints.iter().enumerate().filter(|(_, (_, own))| own.surface_speed.is_some());
+        sized.extend(driven.map(|(joint, (name, _))| (surface_speed(name), joint_load(linkage, joint, 0.0))));
+        let surfaces = first..sized.len();
         for (coupling, (_, defined)) in mechanism.couplings.iter().enumerate() {
             if let Some(pretension) = defined.pretension {
                 constant.push(couplings::pretension(linkage, coupling, pretension));
@@ -204,8 +209,9 @@ impl Loading {
         let first = inputs.len() + drives.len();
         let (hydraulics, network) = hydraulic::hydraulic_drives(mechanism, first)?;
         let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
+        let empty = Self::default();
         let mut loading =
-            Self { loads, inputs, constants, springs, drives, gravity, hydraulics, network, motion, ..Self::default() };
+            Self { loads, inputs, surfaces, constants, springs, drives, gravity, hydraulics, network, motion, ..empty };
         loading.add_stops(mechanism, linkage, hinges)?;
         loading.add_ends_of_cylinders();
         loading.add_springs_of_state(mechanism);
@@ -301,14 +307,7 @@ impl Loading {
     /// no potential.
     pub fn is_command(&self, load: usize) -> bool {
         self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
-            || self.surfaces().any(|(_, surface)| surface == load)
-    }
-
-    /// Joints whose first body has a surface that is driven, by their indices among the joints with friction, each with
-    /// the index of the input that is the speed of this surface. The load of the same index has the size 0.
-    pub fn surfaces(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let joints = self.friction.iter().flat_map(|friction| &friction.friction_joints);
-        joints.enumerate().filter_map(|(index, joint)| Some((index, joint.surface?)))
+            || self.surfaces.contains(&load)
     }
 
     /// The states of all controllers, each with the index of its drive, in the order of their indices.

@@ -139,7 +139,7 @@ impl StateLoads {
             laws.push(LawLoad { drive, at: drives.len(), position, limit });
             drives.extend(law.commands());
         }
-        drives.extend(loading.surfaces().map(|(_, surface)| surface));
+        drives.extend(loading.surfaces.clone());
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
@@ -171,7 +171,7 @@ impl StateLoads {
         let mut state_loads = Self {
             drives,
             efficient,
-            surfaces: loading.surfaces().count(),
+            surfaces: loading.surfaces.len(),
             laws,
             positioned,
             controllers: loading.control_states().count(),

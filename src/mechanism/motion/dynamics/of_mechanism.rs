@@ -214,8 +214,8 @@ where
             return Some([self.applied.airspeed, change.airspeed[0], change.airspeed[1]]);
         }
         let index = index - usize::from(self.scratch.air);
-        let (k, surface) = self.reduced.loading().surfaces().nth(index / 4)?;
-        let Law { static_speed, kinetic_speed, .. } = self.deciding::<N>()?.friction_joints.get(k)?.law;
+        let mut joints = self.deciding::<N>()?.friction_joints.iter().filter_map(|own| Some((own.law, own.surface?)));
+        let (Law { static_speed, kinetic_speed, .. }, surface) = joints.nth(index / 4)?;
         let border = [-kinetic_speed, -static_speed, static_speed, kinetic_speed][index % 4];
         let [speed, first, second] = of(surface);
         Some([speed - border, first, second])
