@@ -223,8 +223,10 @@ fn a_latch_engages_at_an_event() {
     let fmu = started(&text);
     assert!(!engaged(&fmu));
     let events = integrate(&fmu, 0.65, 1e-3);
-    let expected = [0.5, 0.5 + (60.0 / (0.8 * f64::sqrt(4000.0 * 3.0))).asin() / omega, 0.5 + PI / omega];
-    assert_eq!(events.len(), 3, "{events:?}");
+    // An undamped bumper lets go at the very place where the latch catches.
+    let end = 0.5 + PI / omega;
+    let expected = [0.5, 0.5 + (60.0 / (0.8 * f64::sqrt(4000.0 * 3.0))).asin() / omega, end, end];
+    assert_eq!(events.len(), 4, "{events:?}");
     events.iter().zip(expected).for_each(|(event, expected)| assert!((event - expected).abs() < 1e-7, "{events:?}"));
     assert!(engaged(&fmu));
     let [x, v] = fmu.get(["slide.position", "slide.speed"]);
@@ -239,7 +241,8 @@ fn a_conveyor_is_exchanged() {
         "\"joints\": { \"slide\": { \"type\": \"prismatic\", \"first\": \"ground.origin\", \"second\": \"block.origin\", \
          \"surface_speed\": 1.5 } }, \"gravity\": { \"acceleration\": 9.81, \"up_angle\": 1.5707963267948966 }, \
          \"friction\": { \"enabled\": true, \"static_coefficient\": 0.4, \"kinetic_coefficient\": 0.2, \
-         \"static_speed\": 0.1, \"kinetic_speed\": 0.6 }, \"start\": { \"joint\": \"slide\", \"position\": 0 }",
+         \"static_speed\": 0.1, \"kinetic_speed\": 0.6 }, \"start\": { \"joint\": \"slide\", \"position\": 0 }, \
+         \"solver\": { \"tolerance\": 1e-12 }",
     );
     let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
     run.initialize().unwrap();
