@@ -131,8 +131,8 @@ pub enum Output {
     Friction { friction_joint: usize },
     /// Slip speed in a joint, by its index among the joints with friction.
     SlipSpeed { friction_joint: usize },
-    /// Power that moves the surface of a joint's first body against friction, by the index of the joint among those with
-    /// friction: friction force times surface speed.
+    /// Power that moves the surface of a joint's first body against friction, by the index of the joint among those
+    /// with friction: friction force times surface speed.
     SurfacePower { friction_joint: usize },
     /// Drag on a surface, along the flow.
     Drag { surface: usize },

@@ -350,8 +350,8 @@ impl<T: Number> StateLoadEvaluator<T> {
         Ok(force)
     }
 
-    /// Every friction joint has its static friction against a motion in this direction; on a surface that moves, that of
-    /// the last evaluation, which was one at rest.
+    /// Every friction joint has its static friction against a motion in this direction; on a surface that moves, that
+    /// of the last evaluation, which was one at rest.
     fn set_static_arms(&mut self, state_loads: &StateLoads, direction: f64) {
         let slips = &self.effects.as_flattened()[state_loads.free()..];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {

@@ -356,7 +356,8 @@ type SlipEnd = ((f64, TablePosition), [f64; 3]);
 /// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
 struct SlipBounds {
     h: f64,
-    /// Position, time, sigma_dot and sigma_ddot at the start and at the end; none where the step does not tell its rates.
+    /// Position, time, sigma_dot and sigma_ddot at the start and at the end; none where the step does not have its
+    /// rates.
     ends: Option<[SlipEnd; 2]>,
 }
 

@@ -196,11 +196,12 @@ fn a_delayed_force_is_exchanged() {
     assert!(events > 2, "{events} events");
 }
 
-/// A block of 3 kg on a slide along x, with these elements.
-fn block(elements: &str) -> String {
+/// A block of 3 kg on a slide along x, with these keys of the slide and these elements.
+fn block(slide: &str, elements: &str) -> String {
     format!(
-        "{{ \"name\": \"Block\", \"bodies\": {{ \"ground\": {{}}, \"block\": {{ \"mass\": 3 }} }}, \"guess\": {{ \
-         \"slide\": 0 }}, {elements} }}"
+        r#"{{ "name": "Block", "bodies": {{ "ground": {{}}, "block": {{ "mass": 3 }} }}, "guess": {{ "slide": 0 }},
+        "joints": {{ "slide": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin"{slide} }} }},
+        "solver": {{ "tolerance": 1e-12 }}, {elements} }}"#
     )
 }
 
@@ -209,10 +210,10 @@ fn block(elements: &str) -> String {
 #[test]
 fn a_latch_engages_at_an_event() {
     let text = block(
-        "\"joints\": { \"slide\": { \"type\": \"prismatic\", \"first\": \"ground.origin\", \"second\": \"block.origin\" \
-         } }, \"stops\": { \"end\": { \"joint\": \"slide\", \"limit\": \"lower\", \"position\": 0, \"rigid\": false, \
-         \"stiffness\": 4000 } }, \"locks\": { \"latch\": { \"stop\": \"end\", \"at\": \"block.origin\", \"engage\": \
-         true, \"engage_force\": 60 } }, \"start\": { \"joint\": \"slide\", \"position\": 0.4, \"speed\": -0.8 }",
+        "",
+        r#""stops": { "end": { "joint": "slide", "limit": "lower", "position": 0, "rigid": false, "stiffness": 4000 } },
+        "locks": { "latch": { "stop": "end", "at": "block.origin", "engage": true, "engage_force": 60 } },
+        "start": { "joint": "slide", "position": 0.4, "speed": -0.8 }"#,
     );
     let omega = f64::sqrt(4000.0 / 3.0);
     let engaged = |fmu: &super::Fmu| {
@@ -238,11 +239,10 @@ fn a_latch_engages_at_an_event() {
 #[test]
 fn a_conveyor_is_exchanged() {
     let text = block(
-        "\"joints\": { \"slide\": { \"type\": \"prismatic\", \"first\": \"ground.origin\", \"second\": \"block.origin\", \
-         \"surface_speed\": 1.5 } }, \"gravity\": { \"acceleration\": 9.81, \"up_angle\": 1.5707963267948966 }, \
-         \"friction\": { \"enabled\": true, \"static_coefficient\": 0.4, \"kinetic_coefficient\": 0.2, \
-         \"static_speed\": 0.1, \"kinetic_speed\": 0.6 }, \"start\": { \"joint\": \"slide\", \"position\": 0 }, \
-         \"solver\": { \"tolerance\": 1e-12 }",
+        r#", "surface_speed": 1.5"#,
+        r#""gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 }, "friction": { "enabled": true,
+        "static_coefficient": 0.4, "kinetic_coefficient": 0.2, "static_speed": 0.1, "kinetic_speed": 0.6 },
+        "start": { "joint": "slide", "position": 0 }"#,
     );
     let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
     run.initialize().unwrap();

@@ -97,8 +97,8 @@ pub struct FrictionJoint {
     pub back: f64,
     /// Coefficient of friction over slip speed.
     pub law: Law,
-    /// Index of the input that is the speed of the surface of the first body [m/s], which the slip speed is relative to;
-    /// none where the surface is fixed to the first body.
+    /// Index of the input that is the speed of the surface of the first body [m/s], which the slip speed is relative
+    /// to; none where the surface is fixed to the first body.
     pub surface: Option<usize>,
 }
 

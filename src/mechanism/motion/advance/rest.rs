@@ -129,8 +129,8 @@ impl<D: Dynamics<N>, const N: usize> Advance<'_, D, N> {
         Ok(false)
     }
 
-    /// Integrate what goes on at rest, to where the mechanism sets off in one of these ways; false if it does not before
-    /// the end of the span.
+    /// Integrate what continues at rest, to where the mechanism sets off in one of these ways; false if it does not
+    /// before the end of the span.
     #[cold]
     fn go_on_at_rest(&mut self, z: &mut [f64; N], span: f64, ways: &[[f64; 2]]) -> Result<bool, Stopped> {
         self.dynamics.set_held(true);
