@@ -124,7 +124,7 @@ impl Binary {
             bail!("FMI 2.0 has no platform {name}");
         };
         check(platform, &content, FUNCTION)
-            .with_context(|| format!("{shown}: is not the library of an FMU for {name}"))?;
+            .with_context(|| format!("{shown}: the file is not the library of an FMU for {name}"))?;
         Ok(Self { platform, folder: platform.name, content, library: None })
     }
 

@@ -19,7 +19,7 @@ pub fn open(path: &Path) -> Result<(csv::Reader<File>, Vec<String>)> {
     let mut reader = csv::ReaderBuilder::new()
         .trim(csv::Trim::All)
         .from_path(path)
-        .with_context(|| format!("{shown}: cannot be read"))?;
+        .with_context(|| format!("{shown}: the file cannot be read"))?;
     let header = reader.headers().with_context(|| format!("{shown}"))?;
     let name = |name: &str| name.trim_start_matches('\u{feff}').trim_matches('"').to_owned();
     let names: Vec<String> = header.iter().map(name).collect();

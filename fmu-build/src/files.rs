@@ -81,7 +81,7 @@ pub fn read(path: &Path, largest: u64) -> Result<Vec<u8>> {
     }
     if metadata.len() > largest {
         bail!(
-            "{shown}: has {} bytes, but at most {largest} are allowed; check that this is the right file",
+            "{shown}: the file has {} bytes, but at most {largest} are allowed; check that this is the right file",
             metadata.len()
         );
     }
@@ -96,9 +96,9 @@ pub fn copy_all(from: &Path, to: &Path) -> Result<()> {
     let shown = from.display().to_string();
     if !from.is_dir() {
         fs::create_dir_all(to.parent().unwrap_or(Path::new("."))).with_context(|| shown.clone())?;
-        return fs::copy(from, to).map(drop).with_context(|| format!("{shown}: cannot be copied"));
+        return fs::copy(from, to).map(drop).with_context(|| format!("{shown}: the file cannot be copied"));
     }
-    for entry in fs::read_dir(from).with_context(|| format!("{shown}: cannot be listed"))? {
+    for entry in fs::read_dir(from).with_context(|| format!("{shown}: the content of the folder cannot be listed"))? {
         let name = entry?.file_name();
         if name != "target" && name != "__pycache__" {
             copy_all(&from.join(&name), &to.join(&name))?;
@@ -154,7 +154,7 @@ fn replace_with(path: &Path, write: impl FnOnce(&mut File) -> io::Result<()>) ->
 
 /// Message for a file that cannot be written.
 pub fn unwritten(path: &Path) -> String {
-    format!("{}: cannot be written; free disk space, or give another folder", path.display())
+    format!("{}: the file cannot be written; free disk space, or give another folder", path.display())
 }
 
 /// A file that is being written. At the end it replaces the file at its path. If it is dropped before, the old file

@@ -49,7 +49,8 @@ impl Fmu {
         let shown = path.display().to_string();
         let bytes = files::read(path, LARGEST_FMU)?;
         let faults = headers::faults(&bytes);
-        let archive = ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: is not an FMU"))?;
+        let archive =
+            ZipArchive::new(Cursor::new(bytes)).with_context(|| format!("{shown}: the file is not an FMU"))?;
         let names = archive.file_names().filter(|name| !name.as_ref().is_ok_and(|name| name.ends_with('/')));
         let names = names.map(|name| Ok(name?.into_owned())).collect::<Result<_>>();
         let names = names.with_context(|| format!("{shown}: the names of the files in this FMU cannot be read"))?;
@@ -130,6 +131,6 @@ impl Fmu {
             return Ok(definition);
         }
         let files = Component::definition_files().join(" or ");
-        bail!("{}: contains no {RESOURCES}/{files}; check that this FMU was built by linkage-fmu", self.shown)
+        bail!("{}: the FMU contains no {RESOURCES}/{files}; check that this FMU was built by linkage-fmu", self.shown)
     }
 }

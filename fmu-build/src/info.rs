@@ -113,7 +113,8 @@ fn library_needs(fmu: &mut Fmu, platform: &str, description: &Description) -> Op
 /// The FMU has no description, or it cannot be read.
 pub fn description(fmu: &mut Fmu) -> Result<Description> {
     let shown = fmu.shown().to_owned();
-    let text = fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: contains no {MODEL_DESCRIPTION}"))?;
+    let text =
+        fmu.text(MODEL_DESCRIPTION)?.with_context(|| format!("{shown}: the FMU contains no {MODEL_DESCRIPTION}"))?;
     Description::parse(&text).with_context(|| format!("{shown}/{MODEL_DESCRIPTION}"))
 }
 

@@ -31,7 +31,7 @@ pub fn completed(definition: &Path, text: String) -> Result<String> {
         files::read(&path, LARGEST_DEFINITION).with_context(|| format!("{}: {KEY}", definition.display()))?;
     let contents = String::from_utf8(contents)
         .ok()
-        .with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?;
+        .with_context(|| format!("{shown}: the file is not UTF-8 text; save the file as UTF-8"))?;
     SharedContents::check(&contents).with_context(|| shown)?;
     // A text in JSON cannot contain a line break, so spaces may replace all line breaks.
     let contents = contents.trim_start_matches('\u{feff}').replace(['\r', '\n'], " ");

@@ -126,7 +126,7 @@ impl Source {
                 shared::completed(&self.definition, text)
             }
             Err(error) if error.as_bytes().starts_with(ZIP) => bail!("{path}: {}", of_archive(&self.definition)),
-            Err(_) => bail!("{path}: is not UTF-8 text; save the file as UTF-8"),
+            Err(_) => bail!("{path}: the file is not UTF-8 text; save the file as UTF-8"),
         }
     }
 
@@ -141,7 +141,8 @@ impl Source {
             Ok(metadata) if !metadata.is_file() => Err(refused(&path, &metadata)),
             Ok(_) => {
                 let text = String::from_utf8(files::read(&path, LARGEST_README)?).ok();
-                text.map(Some).with_context(|| format!("{}: is not UTF-8 text; save the file as UTF-8", path.display()))
+                text.map(Some)
+                    .with_context(|| format!("{}: the file is not UTF-8 text; save the file as UTF-8", path.display()))
             }
         }
     }
@@ -206,10 +207,13 @@ fn of_archive(path: &Path) -> String {
     let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
     match extension.as_str() {
         "fmu" => {
-            format!("this is a packed FMU; unpack it, and give the path of the definition in its folder {RESOURCES}")
+            format!(
+                "this is a packed FMU; unpack the FMU, and give the path of the definition in its folder {RESOURCES}"
+            )
         }
         "ssp" => format!(
-            "this is a system of FMUs; unpack it, and give the path of one of the FMUs in its folder {RESOURCES}"
+            "this is a system of FMUs; unpack the system, and give the path of one of the FMUs in its folder \
+                {RESOURCES}"
         ),
         _ => "this is an archive; give the path of a definition, or of an FMU, whose name ends in .fmu".to_owned(),
     }
@@ -253,7 +257,7 @@ fn is_same(parent: Option<&Path>, workspace: &Workspace) -> bool {
 /// Error for an object that is neither file nor folder.
 fn refused(path: &Path, metadata: &fs::Metadata) -> anyhow::Error {
     let (shown, kind) = (path.display(), files::kind(metadata));
-    anyhow::anyhow!("{shown}: this is {kind}; replace it by a regular file, or remove it")
+    anyhow::anyhow!("{shown}: this is {kind}; replace the entry by a regular file, or remove the entry")
 }
 
 /// Names in a folder, in order.

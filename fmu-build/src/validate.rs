@@ -148,7 +148,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     };
     let platforms = info::platforms(fmu);
     if platforms.is_empty() && (is_own || !fmu.names().iter().any(|name| name.starts_with(SOURCES))) {
-        found.errors.push(format!("{shown}: contains no library, so no simulation tool can load this FMU"));
+        found.errors.push(format!("{shown}: the FMU contains no library, so no simulation tool can load this FMU"));
     }
     let is_archive = |name: &&String| name.starts_with(BINARIES) && [".a", ".lib"].iter().any(|e| name.ends_with(e));
     let pages = [static_library::PAGE.to_owned(), static_library::PAGE.replace(".txt", ".html")];
@@ -156,8 +156,8 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
         && !pages.iter().any(|page| fmu.names().contains(page))
     {
         found.errors.push(format!(
-            "{shown}: contains the static library {archive}, but not the file {}, which explains how to link this \
-             library",
+            "{shown}: the FMU contains the static library {archive}, but not the file {}, which explains how to link \
+             this library",
             static_library::PAGE
         ));
     }
@@ -184,9 +184,9 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
                 found.take(binary::check_for(platform, &content).with_context(|| format!("{shown}/{path}")));
                 needs(&format!("{shown}/{path}"), &content, found);
             }
-            Ok(None) => {
-                found.errors.push(format!("{shown}: contains no {path}, which simulation tools on {platform} load"))
-            }
+            Ok(None) => found
+                .errors
+                .push(format!("{shown}: the FMU contains no {path}, which simulation tools on {platform} load")),
             // The check of the archive has reported the fault.
             Err(_) => {}
         }
@@ -194,7 +194,7 @@ fn libraries(fmu: &mut Fmu, described: &Description, found: &mut Found) {
     if let Ok(own) = Version::of(&described.fmi_version).platform()
         && !platforms.contains(&own)
     {
-        found.warnings.push(format!("{shown}: contains no library for this machine ({own})"));
+        found.warnings.push(format!("{shown}: the FMU contains no library for this machine ({own})"));
     }
 }
 
@@ -204,11 +204,12 @@ fn needs(shown: &str, content: &[u8], found: &mut Found) {
     let Ok(needs) = Needs::of(content) else { return };
     if let Some(version) = &needs.glibc {
         let functions = needs.functions.join(", ");
-        found.notes.push(format!("{shown}: needs glibc {version} or later (for {functions})"));
+        found.notes.push(format!("{shown}: the library needs glibc {version} or later (for {functions})"));
     }
     for library in &needs.libraries {
         found.warnings.push(format!(
-            "{shown}: needs {library}, which Windows does not have; install this library in a folder of PATH"
+            "{shown}: the library needs {library}, which Windows does not have; install this library in a folder of \
+                PATH"
         ));
     }
 }

@@ -102,7 +102,7 @@ fn symbolic_links_are_rejected_with_their_name() {
         let folder = model(&format!("link{k}"));
         symlink(target, folder.0.join("extra/vendor/link")).unwrap();
         let before = Instant::now();
-        assert_refused(&folder, "extra/vendor/link: ", "this is a symbolic link; replace it by a regular file");
+        assert_refused(&folder, "extra/vendor/link: ", "this is a symbolic link; replace the entry by a regular file");
         assert!(before.elapsed() < Duration::from_secs(5));
     }
 }

@@ -247,7 +247,10 @@ fn all_faults_are_named_with_place_and_remedy() {
         ),
         (json!({ "name": "System" }), &["the key `fmus` is missing"]),
         (json!({ "name": "My System", "fmus": {}, "fmu": {} }), &["there is no key `fmu` here; did you mean `fmus`?"]),
-        (json!({ "name": "My System", "fmus": {} }), &["name = \"My System\": must be a name", "fmus: is empty"]),
+        (
+            json!({ "name": "My System", "fmus": {} }),
+            &["name = \"My System\": must be a name", "fmus: the object is empty"],
+        ),
         (json!({ "name": "A", "stop_time": 0, "fmus": { "a.b": gear } }), &["stop_time = 0", "fmus.a.b = \"a.b\""]),
         (
             json!({ "name": "A", "fmus": { "a": "nowhere" } }),
@@ -273,7 +276,7 @@ fn all_faults_are_named_with_place_and_remedy() {
                 "connections[1]: gear: there is no variable \"crank.angel\": the most similar names are crank.angle",
                 "connections[2]: the system has no FMU \"wheel\": the most similar names are gear",
                 "connections[3]: \"gear\" names no FMU",
-                "connections[4]: has 1 names; write two names",
+                "connections[4]: the entry has 1 names; write two names",
                 "connections[5]: gear.actuator.force is an input and oil.preview.force_mean is an output; exchange",
                 "connections[6]: gear.crank.mass is a variable of causality parameter",
                 "connections[8]: oil.actuator.length already has a connection with gear.actuator.length; remove one",

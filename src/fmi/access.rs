@@ -46,7 +46,7 @@ fn is_computed(variable: &Variable) -> bool {
 fn no_get(instance: &Instance, reference: Reference, kind: Kind) -> Refusal {
     match of_kind(instance, reference, kind) {
         Ok(variable) => Refusal::error(format!(
-            "'{}' (value reference {reference}) is {}; it has no value before initialization mode",
+            "'{}' (value reference {reference}) is {}; the variable has no value before initialization mode",
             variable.name,
             if variable.causality == Causality::Local { "a local variable" } else { "an output" }
         )),
@@ -73,7 +73,7 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
     let variable = of_kind(instance, reference, kind)?;
     let reason = match (variable.causality, instance.phase) {
         (Causality::Input, Phase::Continuous) if variable.variability == Variability::Discrete => {
-            "a discrete input; in model exchange set it in event mode"
+            "a discrete input; in model exchange, set a discrete input in event mode"
         }
         (Causality::Input, _) => return Ok(Way::Set),
         (Causality::Parameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
@@ -81,9 +81,11 @@ pub fn may_set(instance: &Instance, reference: Reference, kind: Kind) -> Result<
             return Ok(Way::Tuned);
         }
         (Causality::Parameter, Phase::Continuous) if variable.variability == Variability::Tunable => {
-            "a tunable parameter; in model exchange set it in event mode"
+            "a tunable parameter; in model exchange, set a tunable parameter in event mode"
         }
-        (Causality::Parameter, _) => "a fixed parameter; set it before initialization mode ends, or after a reset",
+        (Causality::Parameter, _) => {
+            "a fixed parameter; set a fixed parameter before initialization mode ends, or after a reset"
+        }
         // The component returns the error, which names the parameters that determine the value.
         (Causality::CalculatedParameter, Phase::Instantiated | Phase::Initialization) => return Ok(Way::Set),
         (Causality::CalculatedParameter, _) => "a calculated parameter, which cannot be set",

@@ -41,11 +41,11 @@ impl Clock {
     /// `start` or `stop` is not finite, or `stop` is before `start`.
     pub fn new(start: f64, stop: Option<f64>) -> Result<Self, Refusal> {
         if !start.is_finite() {
-            return Err(Refusal::error(format!("startTime is {start} s; it must be finite")));
+            return Err(Refusal::error(format!("startTime is {start} s, but startTime must be finite")));
         }
         match stop {
             Some(stop) if !(stop.is_finite() && stop >= start) => Err(Refusal::error(format!(
-                "stopTime is {} s; it must be finite and not before startTime = {} s",
+                "stopTime is {} s, but stopTime must be finite and not before startTime = {} s",
                 Decimal(stop),
                 Decimal(start)
             ))),
@@ -111,7 +111,10 @@ impl Clock {
     /// The refusal of a step size.
     #[cold]
     fn refuse_size(h: f64) -> Refusal {
-        Refusal::error(format!("communicationStepSize is {} s; it must be finite and greater than 0", Decimal(h)))
+        Refusal::error(format!(
+            "communicationStepSize is {} s, but the step size must be finite and greater than 0",
+            Decimal(h)
+        ))
     }
 
     fn slack(&self, h: f64) -> f64 {

@@ -48,7 +48,7 @@ impl Instance {
     pub fn set_time(&mut self, time: f64) -> Result<(), Refusal> {
         self.exchanges()?;
         if !time.is_finite() {
-            return Err(Refusal::error(format!("time is {} s; it must be finite", Decimal(time))));
+            return Err(Refusal::error(format!("time is {} s, but the time must be finite", Decimal(time))));
         }
         self.clock.time = time;
         self.component.set_time(time);

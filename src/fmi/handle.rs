@@ -175,12 +175,14 @@ fn refuse_phase(instance: &Instance, function: &Function) -> Verdict {
                 .to_owned()
         }
         Phase::Interrupted => format!(
-            "not allowed after a step that reached solver.max_steps, at t = {} s; restore an earlier state, or \
-             reset and use shorter communication steps or a larger solver.max_steps; allowed in: {}",
+            "this call is not allowed after a step that reached solver.max_steps, at t = {} s; restore an earlier \
+             state, or reset and use shorter communication steps or a larger solver.max_steps; allowed in: {}",
             instance.clock.time,
             function.legal_phases()
         ),
-        phase => format!("not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases()),
+        phase => {
+            format!("this call is not allowed in the phase '{}'; allowed in: {}", phase.name(), function.legal_phases())
+        }
     };
     let verdict = if instance.phase == Phase::Fatal { Verdict::Fatal } else { Verdict::Error };
     report(&instance.logger, function.name, &Refusal { verdict, message })

@@ -83,7 +83,9 @@ impl Instance {
         if let Some(tolerance) = tolerance {
             if !(tolerance > 0.0 && tolerance.is_finite()) {
                 let tolerance = Decimal(tolerance);
-                return Err(Refusal::error(format!("tolerance is {tolerance}; it must be finite and greater than 0")));
+                return Err(Refusal::error(format!(
+                    "tolerance is {tolerance}, but the tolerance must be finite and greater than 0"
+                )));
             }
             self.component.set_tolerance(tolerance)?;
         }
@@ -91,7 +93,8 @@ impl Instance {
         self.clock = clock;
         self.set_up = true;
         if is_zero {
-            self.logger.remark("tolerance is 0, which counts as no tolerance: solver.tolerance is used");
+            self.logger
+                .remark("the argument tolerance is 0, which counts as no tolerance: the FMU uses solver.tolerance");
         }
         Ok(())
     }

@@ -16,13 +16,17 @@ use std::ffi::{CStr, CString};
 pub const LOG_CATEGORIES: [(&CStr, &str); 7] = [
     (
         c"logEvents",
-        "Start and end of the run, impacts, contacts and locks with their times, and the number of integration steps",
+        "Messages about the start and the end of the run, about impacts, contacts and locks with their times, and \
+            about the number of integration steps",
     ),
     (c"logStatusWarning", "Warnings from calls that succeeded, and messages about outputs that have no value"),
-    (c"logStatusDiscard", "Requests that are not supported, and steps that ended early"),
-    (c"logStatusError", "Calls that returned an error, and the reason"),
-    (c"logStatusFatal", "Faults inside the FMU, after which the instance can only be freed"),
-    (c"logDebug", "Changes between static and kinetic friction in each joint"),
+    (c"logStatusDiscard", "Messages about requests that the FMU does not support, and about steps that ended early"),
+    (c"logStatusError", "Messages about calls that returned an error, with the reason"),
+    (
+        c"logStatusFatal",
+        "Messages about faults inside the FMU, after which the simulation tool can only free the instance",
+    ),
+    (c"logDebug", "Messages about changes between static and kinetic friction in each joint"),
     (c"logAll", "All messages"),
 ];
 

@@ -99,13 +99,14 @@ impl Saved {
         if length != bytes.len() as u64 {
             let what = if length > bytes.len() as u64 { "incomplete" } else { "too long" };
             return refuse(format!(
-                "the serialized state is {what}: its header states {length} bytes, but {} bytes were passed",
+                "the serialized state is {what}: the header of the state states {length} bytes, but {} bytes were \
+                    passed",
                 bytes.len()
             ));
         }
         let (all, check) = bytes.split_at(bytes.len() - CHECK);
         if check != xxh64(all).to_le_bytes() {
-            return refuse("the serialized state is damaged: its check sum is wrong".to_owned());
+            return refuse("the serialized state is damaged: the check sum is wrong".to_owned());
         }
         let ([guid, structure], own) = ([number(20..28), number(28..36)], component.identity());
         if guid != own[0] {
@@ -124,8 +125,8 @@ impl Saved {
         record.choice("phase", &mut phase, 256).map_err(damaged)?;
         let Some(phase) = Phase::at(phase) else {
             return refuse(format!(
-                "the serialized state is damaged: it contains the number {phase} for the status of the FMU instance, \
-                 but no status that can be saved has this number"
+                "the serialized state is damaged: the bytes contain the number {phase} for the status of the FMU \
+                 instance, but no status that can be saved has this number"
             ));
         };
         record.flag("event to be handled", &mut awaits_event).map_err(damaged)?;

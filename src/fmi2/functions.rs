@@ -57,7 +57,7 @@ pub unsafe fn instantiate(
             CO_SIMULATION => resources::load(kinds, "fmuGUID", guid, location),
             MODEL_EXCHANGE => served(resources::load(kinds, "fmuGUID", guid, location)?),
             other => {
-                let allowed = "it must be 0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)";
+                let allowed = "fmuType must be 0 (fmi2ModelExchange) or 1 (fmi2CoSimulation)";
                 Err(Refusal::error(format!("fmuType is {other}; {allowed}")))
             }
         })
@@ -318,6 +318,6 @@ fn no_such_status(kind: c_int) -> Refusal {
             let hint = if kind == PENDING_STATUS { "; steps are never pending in this FMU" } else { "" };
             Refusal::discard(format!("there is no status of the kind {}{hint}", name[kind as usize]))
         }
-        _ => Refusal::error(format!("the status kind is {kind}; it must be from 0 to 3")),
+        _ => Refusal::error(format!("the status kind is {kind}, but a status kind must be from 0 to 3")),
     }
 }

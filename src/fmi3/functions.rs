@@ -175,7 +175,7 @@ exported! {
         if i.are_scalars(vr, values) {
             return i.set_real(vr, value);
         }
-        i.without_time(vr, "it cannot be set")?;
+        i.without_time(vr, "the variable cannot be set")?;
         i.serialised(vr, values, |i, vr| i.set_real(vr, value))
     };
 

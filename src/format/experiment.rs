@@ -18,7 +18,8 @@ impl Experiment {
     /// Key, message and remedy if the step is longer than the whole run.
     pub fn coarse(&self) -> Option<(&'static str, String, &'static str)> {
         let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
-        let message = format!("is {step} s, but stop_time is {stop} s, so the whole run is one step of {stop} s");
+        let message =
+            format!("the step size is {step} s, but stop_time is {stop} s, so the whole run is one step of {stop} s");
         let remedy = "give a step_size that is smaller than stop_time";
         (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
     }

@@ -121,8 +121,8 @@ impl Expression {
     pub fn new(text: &str) -> Result<Self, String> {
         if text.len() > LONGEST_EXPRESSION {
             return Err(format!(
-                "the expression has {} bytes, but at most {LONGEST_EXPRESSION} are allowed: move parts of it into \
-                 named parameters",
+                "the expression has {} bytes, but at most {LONGEST_EXPRESSION} are allowed: move parts of the \
+                    expression into named parameters",
                 text.len()
             ));
         }
@@ -306,7 +306,7 @@ impl<'t> Reader<'t> {
     fn misplaced(&self) -> String {
         match self.peek() {
             None => "`)` is missing".to_owned(),
-            Some(Token::Symbol(')')) => "`)` has no matching `(`: remove it".to_owned(),
+            Some(Token::Symbol(')')) => "`)` has no matching `(`: remove the parenthesis".to_owned(),
             Some(Token::Symbol(',')) => {
                 "`,` separates two values of a function: write decimals with a point, such as 0.5".to_owned()
             }

@@ -153,7 +153,7 @@ impl Display for Fault {
                     None => write!(f, "the keys are {}", listed(keys.iter().copied(), "and")),
                 }
             }
-            Self::Missing(key) => write!(f, "the key `{key}` is missing: add it"),
+            Self::Missing(key) => write!(f, "the key `{key}` is missing: add this key"),
             Self::Twice(name) => write!(f, "`{name}` occurs twice: remove or rename one of the two"),
             Self::Type { expected, found, remedy } => write!(f, "must be {expected}, not {found}{remedy}"),
             Self::Word(word, words) if words.len() > MANY => {

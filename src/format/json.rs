@@ -199,7 +199,7 @@ impl Parser<'_> {
             let span = start..self.at;
             self.skip_blanks();
             if !self.accept(b':') {
-                return Err(self.fault("a colon is missing before this place: add it").inside(format_args!(".{key}")));
+                return Err(self.fault("a colon is missing before this place: add :").inside(format_args!(".{key}")));
             }
             let value = self.value().map_err(|stop| stop.inside(format_args!(".{key}")))?;
             members.push(Member { key, span, value });
@@ -207,7 +207,7 @@ impl Parser<'_> {
                 break;
             }
             if !self.accept(b',') {
-                return Err(self.fault("a comma is missing before this place: add it"));
+                return Err(self.fault("a comma is missing before this place: add a comma"));
             }
         }
         self.at += 1;
@@ -224,7 +224,7 @@ impl Parser<'_> {
                 break;
             }
             if !self.accept(b',') {
-                return Err(self.fault("a comma is missing before this place: add it"));
+                return Err(self.fault("a comma is missing before this place: add a comma"));
             }
         }
         self.at += 1;

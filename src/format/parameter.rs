@@ -81,6 +81,8 @@ pub struct Flag<'a> {
 pub struct Owner<'a> {
     /// Group of a named element.
     pub group: Option<&'static str>,
+    /// What the element is, with article and blank, such as `the body `.
+    pub kind: &'static str,
     /// Name of the owner.
     pub name: &'a str,
     /// Whether the element is rotary, which determines some units.
@@ -94,7 +96,7 @@ impl Owner<'_> {
     }
 
     /// Visits the Boolean parameters among the keys of an object. Absent values are set to their defaults. In the
-    /// description, @ stands for the owner's name.
+    /// description, @ stands for the owner's kind and name.
     pub fn flags(&self, object: &mut dyn Keyed, visit: &mut dyn FnMut(Flag, &mut bool)) {
         for (index, key) in object.table().keys.iter().enumerate().filter(|(_, key)| key.role.is_some()) {
             let mut slot = object.slot(index);
@@ -110,9 +112,9 @@ impl Owner<'_> {
             };
             if let Some(Slot::Flag(value)) = value {
                 let (before, after) = key.words.split_once('@').unwrap_or((key.words, ""));
-                let named = if after.is_empty() { "" } else { self.name };
+                let [kind, named] = if after.is_empty() { ["", ""] } else { [self.kind, self.name] };
                 let name = [self.name, ".", key.name].into();
-                visit(Flag { name, description: [before, named, after].into() }, value);
+                visit(Flag { name, description: [before, kind, named, after].into() }, value);
             }
         }
     }
@@ -136,19 +138,20 @@ impl Owner<'_> {
             (Slot::Object(object), _) => self.inside(key.name, object, refine, visit),
             (Slot::Number(value), Some(role)) => {
                 let (unit, dot) = (key.unit(self.is_rotary), if of.is_empty() { "" } else { "." });
-                let (name, kind) = ([self.name, ".", of, dot, key.name], (unit, key.range, role));
+                let (name, attributes) = ([self.name, ".", of, dot, key.name], (unit, key.range, role));
                 visit(
                     match self.group {
                         Some(group) => {
                             let path = [group, ".", self.name, ".", of, dot, key.name];
-                            // In the description, @ stands for the element or for the object in it.
+                            // In the description, @ stands for the element with its kind, or for the object in it.
+                            let kind = if of.is_empty() { self.kind } else { "" };
                             let words = match key.words.split_once('@') {
-                                Some((before, after)) => [before, self.name, dot, of, after],
-                                None => [key.words, " of ", self.name, "", ""],
+                                Some((before, after)) => [before, kind, self.name, dot, of, after],
+                                None => [key.words, " of ", self.kind, self.name, "", ""],
                             };
-                            Parameter::new(name, path, words, kind)
+                            Parameter::new(name, path, words, attributes)
                         }
-                        None => Parameter::new(name, name, [key.words], kind),
+                        None => Parameter::new(name, name, [key.words], attributes),
                     },
                     value,
                 );
@@ -156,7 +159,8 @@ impl Owner<'_> {
             (Slot::Pair(pair), Some(role)) => {
                 for ((axis, index), value) in AXES.into_iter().zip(pair) {
                     let path = [self.group.unwrap_or_default(), ".", self.name, ".", key.name, index];
-                    let description = [key.words, " of ", self.name, ": ", axis, " coordinate in the body frame"];
+                    let end = " coordinate in the body frame";
+                    let description = [key.words, " of ", self.kind, self.name, ": ", axis, end];
                     let kind = (key.unit(self.is_rotary), key.range, role);
                     visit(Parameter::new([self.name, ".", key.name, "_", axis], path, description, kind), value);
                 }

@@ -39,12 +39,13 @@ impl Model {
             && !(closed..=closed + stroke).contains(&length)
         {
             let message = format!(
-                "is {} m, but the length of the cylinder is from {} m to {} m",
+                "the start length is {} m, but the cylinder can only have lengths from {} m to {} m",
                 Decimal(length),
                 Decimal(closed),
                 Decimal::rounded(closed + stroke)
             );
-            let remedy = "state a start length in this range, or change cylinder.closed_length or cylinder.stroke";
+            let remedy = "state a length that the cylinder can have, or change cylinder.closed_length or \
+                cylinder.stroke";
             all.push(Finding::warning("actuator.length", message, remedy));
         }
         all

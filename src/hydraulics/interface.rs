@@ -25,23 +25,25 @@ pub const ACTUATOR: &str = "actuator.";
 const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     (
         "actuator.length",
-        "Length of the actuator at the start of a step; length within the step: this length plus the integral of \
-            actuator.speed",
+        "Length of the actuator at the start of a step; within the step, the FMU adds the integral of actuator.speed \
+            to this length",
         Unit::Metre,
     ),
     ("actuator.speed", "Speed of the actuator, positive when extending", Unit::MetrePerSecond),
     (
         "actuator.acceleration",
-        "Acceleration of the actuator, positive when extending, for time derivatives of outputs; 0: not connected, \
-            the FMU calculates the acceleration from force, load and reduced mass",
+        "Acceleration of the actuator, positive when extending; needed only for time derivatives of outputs; the value \
+            0 means that the input is not connected: the FMU then calculates the acceleration from force, load and \
+            reduced mass",
         Unit::MetrePerSecondSquared,
     ),
     ("valve.command", "Command of the valve from -1 to 1; a positive command extends the actuator", Unit::One),
-    ("supply.pressure", "Pressure of the supply, relative to the ambient pressure", Unit::Pascal),
-    ("tank.pressure", "Pressure of the tank, relative to the ambient pressure", Unit::Pascal),
+    ("supply.pressure", "Pressure of the hydraulic supply, relative to the ambient pressure", Unit::Pascal),
+    ("tank.pressure", "Pressure in the tank, relative to the ambient pressure", Unit::Pascal),
     (
         "actuator.reduced_mass",
-        "Mass of the moved mechanism, reduced to the actuator; 0: mass not known, and no motion is predicted",
+        "Mass of the moved mechanism, reduced to the actuator; the value 0 means that the mass is not known: the FMU \
+            then predicts no motion",
         Unit::Kilogram,
     ),
     (
@@ -56,24 +58,25 @@ const INPUT_WORDS: [(&str, &str, Unit); Input::ALL.len()] = [
     ),
     (
         "actuator.holding_force_derivative",
-        "Derivative of actuator.holding_force with respect to actuator.length; 0: derivative not known",
+        "Derivative of actuator.holding_force with respect to actuator.length; the value 0 means that the derivative \
+            is not known",
         Unit::NewtonPerMetre,
     ),
     (
         "preview.horizon",
-        "Size of the next communication step; 0: the FMU assumes the size of the last steps",
+        "Size of the next communication step; with the value 0, the FMU assumes the size of the last steps",
         Unit::Second,
     ),
     (
         "actuator.lower_limit",
-        "Smallest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
-         prevents retraction",
+        "Smallest actuator length that the stops of the mechanism allow; while a stop or lock prevents retraction, the \
+            limit is the present length",
         Unit::Metre,
     ),
     (
         "actuator.upper_limit",
-        "Largest actuator length that the stops of the mechanism allow; the present length while a stop or lock \
-         prevents extension; 0: limit not known",
+        "Largest actuator length that the stops of the mechanism allow; while a stop or lock prevents extension, the \
+            limit is the present length; the value 0 means that the limit is not known",
         Unit::Metre,
     ),
 ];
@@ -113,14 +116,14 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "actuator.stiffness",
-        "Stiffness of the oil in the cylinder, as a spring along the actuator",
+        "Stiffness of the compressed oil in the cylinder, as a spring along the actuator",
         Unit::NewtonPerMetre,
         Output::Stiffness,
         &[Length],
     ),
     (
         "actuator.damping",
-        "Derivative of the seal friction force with respect to actuator.speed",
+        "Derivative of the friction force of the piston seals with respect to actuator.speed",
         Unit::NewtonSecondPerMetre,
         Output::Damping,
         &[Speed],
@@ -183,11 +186,11 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::Pressure(0),
         &[],
     ),
-    ("chamber_a.flow", "Oil flow into chamber A", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
-    ("chamber_a.volume", "Volume of cylinder chamber A", Unit::CubicMetre, Output::Volume(0), &[Length]),
+    ("chamber_a.flow", "Oil flow into chamber A of the cylinder", Unit::CubicMetrePerSecond, Output::Flow(0), FLOW),
+    ("chamber_a.volume", "Oil volume in chamber A of the cylinder", Unit::CubicMetre, Output::Volume(0), &[Length]),
     (
         "chamber_a.bulk_modulus",
-        "Effective bulk modulus of cylinder chamber A: oil with air, hose and walls",
+        "Effective bulk modulus of chamber A of the cylinder: oil with air, hose and walls",
         Unit::Pascal,
         Output::BulkModulus(0),
         &[Length],
@@ -199,18 +202,18 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::Pressure(1),
         &[],
     ),
-    ("chamber_b.flow", "Oil flow into chamber B", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
-    ("chamber_b.volume", "Volume of cylinder chamber B", Unit::CubicMetre, Output::Volume(1), &[Length]),
+    ("chamber_b.flow", "Oil flow into chamber B of the cylinder", Unit::CubicMetrePerSecond, Output::Flow(1), FLOW),
+    ("chamber_b.volume", "Oil volume in chamber B of the cylinder", Unit::CubicMetre, Output::Volume(1), &[Length]),
     (
         "chamber_b.bulk_modulus",
-        "Effective bulk modulus of cylinder chamber B: oil with air, hose and walls",
+        "Effective bulk modulus of chamber B of the cylinder: oil with air, hose and walls",
         Unit::Pascal,
         Output::BulkModulus(1),
         &[Length],
     ),
     (
         "valve.position",
-        "Position of the valve spool; 1: fully open for extension; -1: fully open for retraction",
+        "Position of the valve spool: 1 is fully open for extension, and -1 is fully open for retraction",
         Unit::One,
         Output::SpoolPosition,
         &[],
@@ -230,11 +233,23 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::SupplyPressure,
         &[Supply],
     ),
-    ("supply.flow", "Oil flow out of the supply", Unit::CubicMetrePerSecond, Output::SupplyFlow, &[Length, Supply]),
-    ("tank.flow", "Oil flow into the tank", Unit::CubicMetrePerSecond, Output::TankFlow, &[Length, Tank]),
+    (
+        "supply.flow",
+        "Oil flow out of the hydraulic supply",
+        Unit::CubicMetrePerSecond,
+        Output::SupplyFlow,
+        &[Length, Supply],
+    ),
+    (
+        "tank.flow",
+        "Oil flow from the valve and the chambers into the tank",
+        Unit::CubicMetrePerSecond,
+        Output::TankFlow,
+        &[Length, Tank],
+    ),
     (
         "cylinder.stroke_position",
-        "Position of the piston in the cylinder; 0: fully retracted",
+        "Position of the piston in the cylinder: 0 is the fully retracted position",
         Unit::Metre,
         Output::StrokePosition,
         &[Length],
@@ -246,8 +261,8 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::EndForce,
         &[Length, Speed, Mass, Load, LowerLimit, UpperLimit],
     ),
-    ("power.supply", "Hydraulic power from the supply", Unit::Watt, Output::Power(0), &[Length, Supply]),
-    ("power.return", "Hydraulic power of the flow into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
+    ("power.supply", "Hydraulic power that the supply delivers", Unit::Watt, Output::Power(0), &[Length, Supply]),
+    ("power.return", "Hydraulic power of the oil flow into the tank", Unit::Watt, Output::Power(1), &[Length, Tank]),
     (
         "power.piston",
         "Mechanical power of the actuator force on the moved mechanism",
@@ -255,10 +270,10 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::Power(2),
         &[Speed],
     ),
-    ("power.seal_friction", "Power lost in the seal friction", Unit::Watt, Output::Power(3), &[Speed]),
+    ("power.seal_friction", "Power lost in the friction of the piston seals", Unit::Watt, Output::Power(3), &[Speed]),
     (
         "power.compression",
-        "Power stored in the compression of the oil of the circuit",
+        "Power that is stored in the compression of the oil in the circuit",
         Unit::Watt,
         Output::Power(4),
         &[Length, Speed, Supply, Tank],
@@ -270,8 +285,20 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
         Output::Power(5),
         FLOW,
     ),
-    ("energy.supplied", "Energy from the supply since the start of the run", Unit::Joule, Output::Energy(0), &[]),
-    ("energy.returned", "Energy into the tank since the start of the run", Unit::Joule, Output::Energy(1), &[]),
+    (
+        "energy.supplied",
+        "Energy that the supply has delivered since the start of the run",
+        Unit::Joule,
+        Output::Energy(0),
+        &[],
+    ),
+    (
+        "energy.returned",
+        "Energy of the oil that has flowed into the tank since the start of the run",
+        Unit::Joule,
+        Output::Energy(1),
+        &[],
+    ),
     (
         "energy.piston",
         "Work of the actuator force on the moved mechanism since the start of the run",
@@ -282,7 +309,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ("energy.seal_friction", "Energy lost in the seal friction since the start", Unit::Joule, Output::Energy(3), &[]),
     (
         "energy.compression",
-        "Energy stored in the compression of the oil of the circuit since the start of the run",
+        "Energy stored in the compression of the oil in the circuit since the start of the run",
         Unit::Joule,
         Output::Energy(4),
         &[],
@@ -296,7 +323,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     ),
     (
         "energy.balance",
-        "Supplied energy minus all other energies of the circuit: 0 except for rounding errors",
+        "Energy balance of the circuit: supplied energy minus all other energies, 0 except for rounding errors",
         Unit::Joule,
         Output::Balance,
         &[],
@@ -304,7 +331,7 @@ const OUTPUTS: &[(&str, &str, Unit, Output, &[Input])] = &[
     (
         "coupling.stable_step",
         "Longest communication step at which the coupling with the mechanism is stable if the outputs preview.* are \
-         not connected; 0: no step is stable, or no reduced mass is connected",
+            not connected; the value 0 means that no step is stable, or that no reduced mass is connected",
         Unit::Second,
         Output::StableStep,
         &[Length, Speed, Supply, Tank, Mass],

@@ -27,10 +27,10 @@ const PLAUSIBLE: [(&str, f64, f64, &str, &str); 14] = [
 /// Flows that limit the speed, by their names: each with the chamber, A or B, whose area it is for, and what to do.
 const THROTTLES: [(&str, usize, &str); 5] = [
     ("valve.rated_flow", 0, "state the rated flow of the valve"),
-    ("restrictor_a.rated_flow", 0, "state the rated flow of the restrictor; 0: no restrictor"),
-    ("restrictor_b.rated_flow", 1, "state the rated flow of the restrictor; 0: no restrictor"),
-    ("cushion_a.rated_flow", 0, "state the rated flow of the cushion; 0: no cushion"),
-    ("cushion_b.rated_flow", 1, "state the rated flow of the cushion; 0: no cushion"),
+    ("restrictor_a.rated_flow", 0, "state the rated flow of the restrictor, or 0 for no restrictor"),
+    ("restrictor_b.rated_flow", 1, "state the rated flow of the restrictor, or 0 for no restrictor"),
+    ("cushion_a.rated_flow", 0, "state the rated flow of the cushion, or 0 for no cushion"),
+    ("cushion_b.rated_flow", 1, "state the rated flow of the cushion, or 0 for no cushion"),
 ];
 /// Part of the speed of the default cylinder below which a default flow throttles another cylinder.
 const THROTTLED: f64 = 0.5;
@@ -53,8 +53,8 @@ fn throttled(path: &str, value: &impl Fn(&str) -> Option<f64>, all: &mut Vec<Fin
         let [speed, usual] = [areas(own_bore, own_rod)[side], areas(bore, rod)[side]].map(|area| flow / area);
         if flow > 0.0 && value(name) == Some(flow) && speed < THROTTLED * usual {
             let message = format_args!(
-                "is {} m3/s, the default value, which suits a bore of {} m: in this cylinder, the flow limits the \
-                 piston speed to {} m/s at the rated pressure drop",
+                "the rated flow is {} m3/s, the default value, which suits a bore of {} m: in this cylinder, the rated \
+                 flow limits the piston speed to {} m/s at the rated pressure drop",
                 Decimal(flow),
                 Decimal(bore),
                 Decimal::rounded(speed)
@@ -100,7 +100,7 @@ pub fn implausible(path: &str, value: f64) -> Option<(String, &'static str)> {
 
 fn unusual(value: f64, [least, most]: [f64; 2], unit: &str) -> String {
     let unit = if unit == "1" { String::new() } else { [" ", unit].concat() };
-    format!("is {}{unit}, but usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most))
+    format!("the value is {}{unit}, but usual values are from {} to {}", Decimal(value), Decimal(least), Decimal(most))
 }
 
 /// Warnings about a circuit whose keys stand under `path`, which is empty or ends with a dot; `value`: the start value
@@ -117,7 +117,7 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
         if let (Some(one), Some(two)) = (value(name), value(other))
             && !ordered(one, two)
         {
-            let message = format_args!("is {} Pa, {words} {other} = {} Pa", Decimal(one), Decimal(two));
+            let message = format_args!("the value is {} Pa, {words} {other} = {} Pa", Decimal(one), Decimal(two));
             all.push(Finding::warning(format_args!("{path}{name}"), message, remedy));
         }
     };

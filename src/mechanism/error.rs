@@ -212,8 +212,8 @@ impl fmt::Display for ModelError {
             ),
             Self::Overflow { name } => write!(
                 f,
-                "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check \
-                 their values"
+                "{name} is larger than the largest number, 1.8e308, with the present inputs and parameters: check the \
+                    values of the inputs and parameters"
             ),
             Self::NotInitialised => {
                 f.write_str("doStep was called before the initialisation: initialise the instance first")
@@ -229,8 +229,7 @@ impl fmt::Display for ModelError {
             Self::Locked { position, joint } => write!(
                 f,
                 "friction locks the mechanism near {position}, mainly in {joint}: the joint forces cause more friction \
-                 than any load can overcome; reduce the coefficients or pin radii, or add a stop before this \
-                 position"
+                 than any load can overcome; reduce the coefficients or pin radii, or add a stop before this position"
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
@@ -252,7 +251,7 @@ impl fmt::Display for ModelError {
             Self::LockStill { name, stop, position } => write!(
                 f,
                 "locks.{name}.at: this point does not move at the position of {stop}, near {position}, so the lock \
-                 cannot hold the mechanism: use a point that moves there"
+                 cannot hold the mechanism: use a point that moves at the stop"
             ),
             Self::Saved { what } => write!(
                 f,

@@ -33,7 +33,7 @@ fn text_that_is_no_mechanism() {
         ("null", &["not a valid mechanism", "line 1"]),
         (r#"{ "name": "A", }"#, &["a comma stands before the closing bracket", "line 1, column 16"]),
         ("{ name: 1 }", &["key in double quotes", "line 1"]),
-        (r#"{ "name": "A" }"#, &["not a valid mechanism", "`bodies` is missing: add it"]),
+        (r#"{ "name": "A" }"#, &["not a valid mechanism", "`bodies` is missing: add this key"]),
     ] {
         check(text, fragments);
     }
@@ -63,7 +63,7 @@ fn keys_and_types() {
         ("revolute", "hinge", &["joints.joint1.type", "not `hinge`", "`revolute`, `prismatic` or `slot`"]),
         ("[-0.050, -0.138]", "[-0.050]", &["bodies.crank.points.actuator", "a list of 2 numbers", "not a list of 1"]),
         ("[-0.050, -0.138]", "[-0.050, true]", &["bodies.crank.points.actuator[1]", "not true", "must be a number"]),
-        (r#", "second": "coupler.origin""#, "", &["joints.joint2", "`second` is missing: add it"]),
+        (r#", "second": "coupler.origin""#, "", &["joints.joint2", "`second` is missing: add this key"]),
         (r#""joint2":"#, r#""joint1":"#, &["joints.joint1", "occurs twice"]),
         (r#""stop_time": 0.15, "#, "", &["experiment", "`stop_time` is missing"]),
         (r#""name": "LandingGearRetraction""#, r#""name": "Landing Gear""#, &[r#"name = "Landing Gear""#, "letter"]),

@@ -210,7 +210,10 @@ fn variables_that_need_masses_do_not_exist_and_the_error_states_why() {
         "solver.method",
     ];
     for key in idle {
-        assert!(warnings.contains(&format!("{key}: has no effect, because no body has a mass")), "{key}\n{warnings}");
+        assert!(
+            warnings.contains(&format!("{key}: this key has no effect, because no body has a mass")),
+            "{key}\n{warnings}"
+        );
     }
     // A mass of 0 counts as no mass.
     let zero = massless(four_bar()).with(json!({ "bodies": { "crank": { "mass": 0 }, "rocker": { "inertia": 0 } } }));

@@ -152,7 +152,7 @@ fn messages_reach_the_environment_of_their_instance() {
     one.log.take();
     assert_eq!(one.step(0.0, 1e-3), Status::Error);
     assert!(other.log.take().is_empty());
-    assert!(one.refusal().starts_with("fmi2DoStep: not allowed in the phase 'instantiated'"));
+    assert!(one.refusal().starts_with("fmi2DoStep: this call is not allowed in the phase 'instantiated'"));
 }
 
 #[test]

@@ -103,7 +103,7 @@ pub struct Info {
     /// FMU, definition file (mechanism.json), or folder that contains a definition file
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Print the interface as JSON
+    /// Print the interface of the FMU as JSON
     #[arg(long)]
     pub json: bool,
 }
@@ -128,11 +128,11 @@ pub struct View {
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
-    /// Open an editor for the definition next to the moving mechanism. The page shows the motion after each change,
-    /// until you stop the command with Ctrl-C
+    /// Open an editor for the definition next to the moving mechanism. The page of --live shows the motion after each
+    /// change, until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
-    /// Port of the page of --live on 127.0.0.1 [default: a free port]
+    /// Network port of the page of --live on 127.0.0.1 [default: a free port]
     #[arg(
         long, value_name = "PORT", requires = "live",
         conflicts_with_all = ["out", "start_values", "compare", "compare_set"]
@@ -145,11 +145,11 @@ pub struct View {
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU for comparison: dashed outlines in the drawing, dashed lines in the plots
+    /// Second definition or FMU for comparison, with dashed outlines in the drawing and dashed lines in the plots
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
     /// Start values of the second run, which replace values of --start-values. Without --compare, the second run uses
-    /// the first definition
+    /// the definition of the first run
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub compare_set: Vec<String>,
 }
@@ -174,16 +174,18 @@ pub struct Simulate {
     #[arg(long, value_name = "REL", value_parser = part)]
     pub relative_tolerance: Option<f64>,
     /// Parameter set of SSP (SSV file) with start values of inputs and parameters. The program converts each value from
-    /// its unit in the file to the unit of the variable. A value in --start-values replaces a value of the file
+    /// its unit in the file to the unit of the variable. A value in --start-values replaces the value of the same
+    /// variable in the file
     #[arg(long, value_name = "SSV")]
     pub parameters: Option<PathBuf>,
     /// Start values of inputs and parameters: pairs of a name and a value, or name=value. A number without a unit is in
-    /// SI units. Other units are the display unit of the variable (45deg) and common units (30kN) [default: values of
-    /// the definition]
+    /// SI units. A number can have a unit: the display unit of the variable (45deg), or a common unit (30kN) [default:
+    /// values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// CSV file with inputs over time. The first column is `time` [s]. Numbers change linearly between two rows.
-    /// Booleans keep their value until the next row. Two rows with equal times define a jump
+    /// CSV file with inputs over time. The first column of the file is `time` [s]. Numeric inputs change linearly
+    /// between two rows. Boolean inputs keep their value until the next row. Two rows with equal times define a jump of
+    /// the inputs
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
     /// Also set the time derivatives of the inputs: the inputs then change within a communication step, and a
@@ -193,7 +195,8 @@ pub struct Simulate {
     /// Variables to record [default: all outputs]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub output_variables: Vec<String>,
-    /// File for the recorded variables: CSV, or Parquet if the name ends in .parquet. The first column is `time` [s]
+    /// File for the recorded variables: CSV, or Parquet if the name ends in .parquet. The first column of the file is
+    /// `time` [s]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// Plot of the recorded variables: .png, .svg or .pdf file. Needs Python
@@ -337,7 +340,7 @@ pub struct Sweep {
     /// Continue a study that was stopped before its last run
     #[arg(long)]
     pub resume: bool,
-    /// Number of threads [default: one for each processor core]
+    /// Number of threads that simulate the runs [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Number of Dask worker processes on this machine, which simulate the runs with the FMU
@@ -364,7 +367,7 @@ pub struct Optimise {
     /// Draw the evaluations of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
-    /// Number of threads [default: one for each processor core]
+    /// Number of threads that simulate the runs [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
 }

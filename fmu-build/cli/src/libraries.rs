@@ -22,15 +22,15 @@ pub struct Package {
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option can be given several times
+    /// option --binary can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
     /// Convention of the variable names in modelDescription.xml. `structured`: dots divide the names into levels, for
-    /// simulation tools that show a tree. `flat`: dots have no meaning. The names of the variables do not depend on the
-    /// convention
+    /// simulation tools that show a tree. `flat`: dots in the names have no meaning. The names of the variables do not
+    /// depend on the convention
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms whose libraries are built and packed [default: this machine]
@@ -44,18 +44,18 @@ pub struct Package {
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
     /// Oldest version of glibc (the C library of Linux) with which the FMU must run, 2.17 or later. The first use of
-    /// this option installs the linker zig from PyPI
+    /// --glibc installs the linker zig from PyPI
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs. The
-    /// option can be given several times
+    /// option --static can be given several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
     /// Do not pack documentation/animation.html, the animation of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Do not pack the tables of the mechanism. The FMU is smaller, but each instance of the FMU must compute the
-    /// tables
+    /// Do not pack the precomputed tables of the mechanism. With --no-tables, the FMU is smaller, but each instance of
+    /// the FMU must compute the tables
     #[arg(long)]
     pub no_tables: bool,
     /// Do not pack the reference results of the default experiment
@@ -73,19 +73,20 @@ impl Package {
 /// Platforms that libraries are built for, by the names of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Platform {
-    /// Linux on Intel and AMD; the name in FMI 2.0 is linux64
+    /// Linux on Intel and AMD; the name of this platform in FMI 2.0 is linux64
     #[value(name = "x86_64-linux", alias = "linux64")]
     X86Linux,
-    /// Windows on Intel and AMD; the name in FMI 2.0 is win64
+    /// Windows on Intel and AMD; the name of this platform in FMI 2.0 is win64
     #[value(name = "x86_64-windows", alias = "win64")]
     X86Windows,
-    /// Linux on ARM with 64 bits; the name in FMI 2.0 is aarch64-linux
+    /// Linux on ARM with 64 bits; the name of this platform in FMI 2.0 is aarch64-linux
     #[value(name = "aarch64-linux")]
     ArmLinux,
-    /// macOS on Intel; the name in FMI 2.0 is darwin64
+    /// macOS on Intel; the name of this platform in FMI 2.0 is darwin64
     #[value(name = "x86_64-darwin")]
     X86Mac,
-    /// macOS on ARM; the name in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains both libraries
+    /// macOS on ARM; the name of this platform in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains
+    /// both libraries
     #[value(name = "aarch64-darwin")]
     ArmMac,
 }
@@ -128,8 +129,8 @@ impl Naming {
 #[derive(Args, Default)]
 pub struct Dist {
     /// Platforms for which the installed program can pack FMUs. The program itself runs on the platform of this
-    /// machine. With this option, the program is built as a small file, and the build needs some minutes more [default:
-    /// this machine]
+    /// machine. With --platforms, the build makes a small program file and needs some minutes more [default: this
+    /// machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
@@ -137,11 +138,11 @@ pub struct Dist {
     #[arg(long, requires = "platforms")]
     pub available: bool,
     /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option can be given several times
+    /// option --binary can be given several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
-    /// 2.17 or later; the linker is zig [default: the glibc of this machine]
+    /// 2.17 or later; with --glibc, the build links with zig [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel and the source distribution [default: target/dist in the repository]
@@ -160,8 +161,8 @@ pub struct Test {
     /// this machine
     #[arg(long)]
     pub platforms: bool,
-    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option can be given several
-    /// times
+    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option --binary can be given
+    /// several times
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
     /// Write the result of --platforms to validation/results/platforms.md

@@ -127,7 +127,11 @@ fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) ->
     let mut child = python.spawn().with_context(|| command::cannot_start(&python, "pack.py"))?;
     let lines: String = entries.iter().map(|(path, name)| format!("{}\t{name}\n", path.display())).collect();
     child.stdin.take().context("pack.py takes no list")?.write_all(lines.as_bytes())?;
-    ensure!(child.wait()?.success(), "{}: cannot be packed; the messages above state the reason", archive.display());
+    ensure!(
+        child.wait()?.success(),
+        "{}: the wheel cannot be packed; the messages above state the reason",
+        archive.display()
+    );
     Ok(())
 }
 
@@ -204,7 +208,7 @@ fn has_licences(wheel: &Path) -> Result<()> {
     for name in ["LICENSE-MIT", "LICENSE-APACHE", NOTICES] {
         let end = format!(".dist-info/licenses/{name}");
         let is_there = archive.names().iter().any(|entry| entry.ends_with(&end));
-        ensure!(is_there, "{}: has no {end}; check license-files in pyproject.toml", wheel.display());
+        ensure!(is_there, "{}: the file has no {end}; check license-files in pyproject.toml", wheel.display());
     }
     Ok(())
 }

@@ -124,7 +124,7 @@ impl Signals {
             }
         }
         if signals.times.is_empty() {
-            bail!("{shown}: contains no row of values");
+            bail!("{shown}: the file contains no row of values");
         }
         signals.events = signals.find_events();
         Ok(signals)

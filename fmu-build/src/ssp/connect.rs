@@ -105,7 +105,9 @@ impl Connected {
 
     /// Connect an output with an input.
     fn connect(&mut self, pair: &[String], models: &[&Component]) -> Result<()> {
-        let [output, input] = pair else { bail!("has {} names; write two names: an output and an input", pair.len()) };
+        let [output, input] = pair else {
+            bail!("the entry has {} names; write two names: an output and an input", pair.len())
+        };
         let ends = [self.end(output, models)?, self.end(input, models)?];
         self.add(ends, [output, input], models)
     }
@@ -134,7 +136,10 @@ impl Connected {
         }
         if let Some([(part, other), _]) = self.connections.iter().find(|[_, target]| *target == ends[1]) {
             let other = &models[*part].interface().list()[*other as usize].name;
-            bail!("{second} already has a connection with {}.{other}; remove one of the two", self.names[*part]);
+            bail!(
+                "{second} already has a connection with {}.{other}; remove one of the two connections",
+                self.names[*part]
+            );
         }
         self.connections.push(ends);
         Ok(())
@@ -143,7 +148,7 @@ impl Connected {
     /// Connect all variables that two terminals have in common.
     fn join(&mut self, pair: &[String], models: &[&Component]) -> Result<()> {
         let [first, second] = pair else {
-            bail!("has {} names; write two names: the terminals of two FMUs", pair.len())
+            bail!("the entry has {} names; write two names: the terminals of two FMUs", pair.len())
         };
         let [(one, a), (other, b)] = [self.terminal(first, models)?, self.terminal(second, models)?];
         if a.kind != b.kind {

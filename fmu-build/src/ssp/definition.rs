@@ -32,15 +32,15 @@ keys! {
         /// variables that exist in both terminals, in both directions. A terminal has the name of its drive or
         /// cylinder.
         terminals: Vec<Vec<String>>;
-        /// Pairs of an output and an input, such as `["hydraulics.uplock.engaged", "gear.uplock.engage"]`. The word
-        /// before the first dot is the name of the FMU.
+        /// Pairs of an output and an input, such as `["hydraulics.uplock.engaged", "gear.uplock.engage"]`. In each
+        /// name, the word before the first dot is the name of the FMU.
         connections: Vec<Vec<String>>;
         /// Additional variables that simulation tools show as connectors, such as `gear.crank.angle`. Variables with a
         /// connection or a value are always connectors.
         connectors: Vec<String>;
     }
 
-    /// The object `fmu` describes one FMU of a system. A text in place of the object is the value of the key
+    /// The object `fmu` describes one FMU of a system. A text in place of the object `fmu` is the value of the key
     /// `definition`.
     pub struct Fmu or (linkage_fmu::format::Short::First) {
         /// Path of the definition file of a mechanism, an actuator or a network, or of a folder that contains a
@@ -49,9 +49,9 @@ keys! {
         /// Path of a parameter set of SSP (SSV file) with values of parameters and inputs. The program converts each
         /// value from its unit in the file to the unit of the variable.
         parameters: Option<String>;
-        /// Values of parameters and inputs, by the name of the variable. A number is in the SI unit of the variable. A
-        /// text can be a number with a unit, such as `"30 kN"`. A value in `values` replaces a value of the same
-        /// variable in `parameters`.
+        /// Values of parameters and inputs, by the name of the variable. A value without a unit is in the SI unit of
+        /// the variable. A text can contain a number with a unit, such as `"30 kN"`. A value in `values` replaces a
+        /// value of the same variable in `parameters`.
         values: Named<Setting> => line();
     }
 }

@@ -158,13 +158,16 @@ fn check(definition: &Definition, faults: &mut Faults) {
         faults.push(DefinitionError::value("name", format_args!("\"{name}\""), NAME));
     }
     if description.contains(char::is_control) {
-        faults.push(DefinitionError::key("description", "contains a control character; write the text on one line"));
+        faults.push(DefinitionError::key(
+            "description",
+            "the text contains a control character; write the text on one line",
+        ));
     }
     if let Some(time) = stop_time {
         faults.keep(Range::Positive.check("stop_time", *time));
     }
     if fmus.is_empty() {
-        faults.push(DefinitionError::key("fmus", "is empty; add at least one FMU"));
+        faults.push(DefinitionError::key("fmus", "the object is empty; add at least one FMU"));
     }
     for name in fmus.names().into_iter().filter(|name| !is_c_identifier(name)) {
         faults.push(DefinitionError::value(format_args!("fmus.{name}"), format_args!("\"{name}\""), NAME));

@@ -254,7 +254,10 @@ impl Unpacked {
             let output = command.output().with_context(|| command::cannot_start(&command, machine.platform))?;
             if !output.status.success() {
                 let name = &self.identifier;
-                bail!("{}: {name} failed with the resources at {shown}; its own message is above", machine.platform);
+                bail!(
+                    "{}: {name} failed with the resources at {shown}; the message of the program is above",
+                    machine.platform
+                );
             }
             let bits = String::from_utf8_lossy(&output.stdout)
                 .split_whitespace()

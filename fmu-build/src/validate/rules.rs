@@ -174,11 +174,11 @@ impl Rules {
         let may_lack =
             matches!(v.kind.as_str(), "String" | "Binary" | "Clock") || (self.is_3 && initial == "calculated");
         if needs_start && !has_start && !may_lack {
-            broken.push("has no start value".to_owned());
+            broken.push("the variable has no start value".to_owned());
         }
         if has_start && (initial == "calculated" || causality == "independent") {
             broken.push(format!(
-                "has a start value, but {} does not allow a start value",
+                "the variable has a start value, but {} does not allow a start value",
                 if initial.is_empty() { causality } else { initial }
             ));
         }
@@ -186,17 +186,19 @@ impl Rules {
         if let (Some(least), Some(most)) = (least, most)
             && most < least
         {
-            broken.push(format!("max {most} is below min {least}"));
+            broken.push(format!("the attribute max = {most} is below the attribute min = {least}"));
         }
         if nominal.is_some_and(|nominal| nominal <= 0.0) {
-            broken.push("nominal is not above 0".to_owned());
+            broken.push("the nominal value is not above 0".to_owned());
         }
         if !NO_NUMBERS.contains(&v.kind.as_str()) {
             let outside =
                 |start: &f64| least.is_some_and(|least| *start < least) || most.is_some_and(|most| *start > most);
             let starts = v.get("start").split_whitespace().filter_map(|text| text.parse().ok());
             broken.extend(
-                starts.filter(outside).map(|start: f64| format!("the start value {start} is not between min and max")),
+                starts
+                    .filter(outside)
+                    .map(|start: f64| format!("the start value {start} is not between the attributes min and max")),
             );
         }
         let [unit, display, declared] = ["unit", "displayUnit", "declaredType"].map(|name| v.get(name));
@@ -310,7 +312,8 @@ impl Rules {
                     .iter()
                     .any(|d| self.named(self.variables[*d].get("derivative")).is_some_and(|state| state == index));
                 if !is_state {
-                    broken.push(format!("{name}: has the attribute reinit, but is not a continuous state"));
+                    broken
+                        .push(format!("{name}: the variable has the attribute reinit, but is not a continuous state"));
                 }
             }
         }

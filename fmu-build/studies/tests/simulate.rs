@@ -298,7 +298,8 @@ fn a_failed_write_keeps_the_previous_results() {
     // A device is written directly. This device is always full.
     let full = simulate(Path::new("/dev/full")).wait_with_output().unwrap();
     let said = String::from_utf8(full.stderr).unwrap();
-    let line = "error: /dev/full: cannot be written; free disk space, or give another folder: No space left on device";
+    let line = "error: /dev/full: the file cannot be written; free disk space, or give another folder: No space left \
+        on device";
     assert!(full.status.code() == Some(1) && said.contains(line), "{said}");
 }
 

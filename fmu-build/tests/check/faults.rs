@@ -56,7 +56,7 @@ fn a_similar_key_is_suggested() {
     text["bodies"]["weight"] = json!({ "fixed_to": "crank.origin", "angle": 3.0, "length": 0.05, "mass": 1 });
     text["guess"]["weight"] = json!(3.5);
     let all = found(&text.to_string(), Severity::Error);
-    assert!(all[0].0 == "guess.weight" && all[0].1.contains("fixed (crank.origin)"), "{all:#?}");
+    assert!(all[0].0 == "guess.weight" && all[0].1.contains("(point crank.origin)"), "{all:#?}");
     for text in ["", " \n"] {
         let all = found(text, Severity::Error);
         assert!(all.len() == 1 && all[0].1.contains("the file is empty"), "{all:#?}");

@@ -291,7 +291,7 @@ impl Simulation {
 
     /// Convert bytes from `State.to_bytes` back to a saved state.
     ///
-    /// The method `state_from_bytes` raises InputError if the bytes do not contain a state of the mechanism of this
+    /// The method `state_from_bytes` raises InputError if the bytes do not contain a state of the mechanism of the
     /// simulation.
     fn state_from_bytes(&self, bytes: &Bound<'_, PyAny>) -> PyResult<State> {
         let Ok(bytes) = bytes.cast::<PyBytes>() else {

@@ -50,10 +50,8 @@ fn unpacked(archive: &Path, name: &str) -> Result<Vec<u8>> {
         archive.call_method0("close")?;
         content
     };
-    Python::attach(read).context(
-        "Python's module lzma is needed; install a Python that has it, or give a library with \
-                                  --binary",
-    )
+    Python::attach(read)
+        .context("Python's module lzma is needed; install a Python that contains lzma, or give a library with --binary")
 }
 
 /// The command with its words, of which the first is the name of the program. Returns the exit code.

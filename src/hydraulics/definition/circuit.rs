@@ -21,9 +21,9 @@ keys! {
         fluid: Fluid;
         /// Differential cylinder.
         cylinder: Cylinder;
-        /// Chamber A, on the piston side.
+        /// Chamber A of the cylinder, on the piston side.
         chamber_a: ChamberA;
-        /// Chamber B, on the rod side.
+        /// Chamber B of the cylinder, on the rod side.
         chamber_b: ChamberB;
         /// Servo valve.
         valve: Valve;
@@ -41,9 +41,9 @@ keys! {
         relief: Relief;
         /// Anti-cavitation valves of both chambers.
         anticavitation: Anticavitation;
-        /// Internal and external leakage.
+        /// Internal and external leakage of the cylinder.
         leakage: Leakage;
-        /// Friction of the seals.
+        /// Friction of the piston seals.
         seal: Seal;
         /// Hoses of both chambers.
         hose: Hose;
@@ -59,15 +59,15 @@ keys! {
 
     /// Hydraulic supply.
     pub struct Supply: Copy {
-        /// Start value of the input `supply.pressure`, the pressure of the hydraulic supply [Pa]. The sum of this gauge
-        /// pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Start value of the input `supply.pressure`, the pressure of the hydraulic supply [Pa]. The absolute
+        /// pressure, which is the stated pressure plus `fluid.ambient_pressure`, must be above 0.
         pressure: f64 = 20.7e6 => number(Unit::Pascal, Range::Finite);
     }
 
     /// Hydraulic tank (return).
     pub struct Tank: Copy {
         /// Start value of the input `tank.pressure`, the pressure in the tank to which the valve returns oil [Pa]. The
-        /// sum of this gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// absolute pressure, which is the stated pressure plus `fluid.ambient_pressure`, must be above 0.
         pressure: f64 = 0.35e6 => number(Unit::Pascal, Range::Finite);
     }
 }
@@ -106,7 +106,7 @@ impl Circuit {
     pub fn parameters(&mut self, visit: &mut Visit) {
         for (index, key) in Self::TABLE.keys.iter().enumerate() {
             if let Slot::Object(section) = self.slot(index) {
-                Owner { group: None, name: key.name, is_rotary: false }.parameters(section, &Some, visit);
+                Owner { group: None, kind: "", name: key.name, is_rotary: false }.parameters(section, &Some, visit);
             }
         }
     }

@@ -78,7 +78,8 @@ keys! {
         /// Relative tolerance of the time integration of the mechanism [1], 1e-14 to 0.1.
         tolerance: f64 = 1e-9 =>
             number(Unit::One, Range::Tolerance).parameter(Role::Tolerance, "Relative tolerance of the integration");
-        /// Largest number of integration steps in one communication step [1]. The number must be a whole number.
+        /// Largest number of integration steps in one communication step [1]. The value of `max_steps` must be a whole
+        /// number.
         max_steps: f64 = 5e4 => number(Unit::One, Range::Count)
             .parameter(Role::Tolerance, "Largest number of integration steps in one communication step");
     }
@@ -93,8 +94,8 @@ keys! {
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model. The program writes these texts into the model description of the
-        /// FMU.
+        /// Author, copyright and licence of the model. The program writes the texts of `about` into the model
+        /// description of the FMU.
         about: About => Key::PLAIN.brief();
         /// Hydraulic circuit: supply, valve, cylinder and oil.
         circuit: Circuit;
@@ -139,7 +140,7 @@ words! {
 
 impl Solver {
     fn parameters(&mut self, visit: &mut Visit) {
-        Owner { group: None, name: "solver", is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: None, kind: "", name: "solver", is_rotary: false }.parameters(self, &Some, visit);
     }
 }
 

@@ -3,7 +3,7 @@
 //! In: a definition. Out: the table of variables with the quantity of each. It must not know the state.
 mod tables;
 
-use super::definition::{HydraulicSystem, Mode};
+use super::definition::{HydraulicSystem, Mode, kind_of};
 use super::layout::{Input, Layout, Part};
 use super::outputs::{Ahead, Output};
 use crate::format::Role;
@@ -70,7 +70,7 @@ impl Builder<'_> {
         for (name, _) in system.pumps.iter() {
             self.input(
                 format!("{name}.speed"),
-                format!("Relative speed of the pump {name}: 1 is the full speed, 0 is off"),
+                format!("Relative speed of the pump {name}: 1 is the full speed, and 0 is off"),
                 Unit::One,
                 1.0,
             );
@@ -100,10 +100,11 @@ impl Builder<'_> {
                     Part::UpperLimit => one.upper_limit,
                     _ => 0.0,
                 };
-                self.input(format!("{name}.{key}"), text.replace('@', name), unit, start);
+                self.input(format!("{name}.{key}"), text.replace('@', &format!("the cylinder {name}")), unit, start);
             }
         }
-        let text = "Size of the next communication step; 0: the FMU assumes the size of the last step".to_owned();
+        let text = "Size of the next communication step; with the value 0, the FMU assumes the size of the last step"
+            .to_owned();
         self.input("preview.horizon".to_owned(), text, Unit::Second, 0.0);
     }
 
@@ -117,7 +118,7 @@ impl Builder<'_> {
             let output = Output::ReservoirFlow(index);
             self.output(
                 format!("{name}.flow"),
-                format!("Flow into the reservoir {name}"),
+                format!("Oil flow into the reservoir {name}"),
                 Unit::CubicMetrePerSecond,
                 output,
                 &flow,
@@ -129,26 +130,26 @@ impl Builder<'_> {
                 group,
                 "reservoirs" | "nodes" | "pumps" | "accumulators" | "valves" | "cylinders" | "pressure_locks"
             ) {
-                paths.push(name.to_owned());
+                paths.push((kind_of(group), name.to_owned()));
             }
         });
         let valves = 4 * layout.valves;
         let pumps = system.pumps.names().into_iter().map(str::to_owned).enumerate();
-        let pumps = pumps.map(|(index, name)| (paths.len() + valves + index, name)).collect::<Vec<_>>();
-        for (index, name) in paths.into_iter().enumerate().chain(pumps) {
-            let text = format!("Flow through {name}, positive from port `from` to port `to`");
+        let pumps = pumps.map(|(index, name)| (paths.len() + valves + index, ("the pump ", name))).collect::<Vec<_>>();
+        for (index, (kind, name)) in paths.into_iter().enumerate().chain(pumps) {
+            let text = format!("Oil flow through {kind}{name}, positive from port `from` to port `to`");
             self.output(format!("{name}.flow"), text, Unit::CubicMetrePerSecond, Output::Flow(index), &flow);
         }
         for (index, (name, valve)) in system.valves.iter().enumerate() {
             let command = [layout.command(index) as Reference];
             let dependencies: &[Reference] = if valve.frequency.is_some() { &[] } else { &command };
-            let text = format!("Position of the spool of {name}");
+            let text = format!("Position of the spool of the valve {name}, from -1 to 1");
             self.output(format!("{name}.position"), text, Unit::One, Output::Spool(index), dependencies);
             for (port, (key, text)) in [
-                ("supply_flow", "Flow from the supply into the valve"),
-                ("return_flow", "Flow into the return from the valve"),
-                ("flow_a", "Flow out of port a of the valve"),
-                ("flow_b", "Flow out of port b of the valve"),
+                ("supply_flow", "Oil flow from the supply into the valve"),
+                ("return_flow", "Oil flow into the return line from the valve"),
+                ("flow_a", "Oil flow out of port a of the valve"),
+                ("flow_b", "Oil flow out of port b of the valve"),
             ]
             .into_iter()
             .enumerate()
@@ -199,21 +200,24 @@ impl Builder<'_> {
         let named = |key: &str| format!("{name}.{key}");
         let text = format!("Force of the cylinder {name}, positive in the direction of extension");
         self.output(named("force"), text, Unit::Newton, Output::Force(index), &speed);
-        let text = format!("Stiffness of the oil in the cylinder {name}, as a spring");
+        let text = format!("Stiffness of the compressed oil in the cylinder {name}, as a spring along the cylinder");
         self.output(named("stiffness"), text, Unit::NewtonPerMetre, Output::Stiffness(index), &length);
-        let text = format!("Derivative of the seal friction force of {name} with respect to the speed");
+        let text = format!(
+            "Derivative of the friction force of the piston seals with respect to the speed of the cylinder {name}"
+        );
         self.output(named("damping"), text, Unit::NewtonSecondPerMetre, Output::Damping(index), &speed);
         if layout.is_carried {
-            let text = format!("Force of an end of {name} on the piston, positive in the direction of extension");
+            let text =
+                format!("Force of an end of the cylinder {name} on the piston, positive in the direction of extension");
             self.output(named("end_force"), text, Unit::Newton, Output::EndForce(index), &[]);
         }
-        let text = format!("Position of the piston of {name}; 0: fully retracted");
+        let text = format!("Position of the piston in the cylinder {name}: 0 is the fully retracted position");
         self.output(named("stroke_position"), text, Unit::Metre, Output::Position(index), &length);
         for (side, letter) in ["a", "b"].into_iter().enumerate() {
-            let text = format!("Pressure in chamber {letter} of {name}, relative to the ambient pressure");
+            let text = format!("Pressure in chamber {letter} of the cylinder {name}, relative to the ambient pressure");
             let output = Output::Pressure(layout.chamber(index) + side);
             self.output(named(&format!("chamber_{letter}.pressure")), text, Unit::Pascal, output, &[]);
-            let text = format!("Flow into chamber {letter} of {name}");
+            let text = format!("Oil flow into chamber {letter} of the cylinder {name}");
             let output = Output::ChamberFlow(index, side);
             self.output(named(&format!("chamber_{letter}.flow")), text, Unit::CubicMetrePerSecond, output, &flow);
         }
@@ -226,7 +230,13 @@ impl Builder<'_> {
             let is_acceleration = matches!(ahead, Ahead::StartAcceleration | Ahead::Acceleration);
             let dependencies = if is_acceleration { &all } else { &foreseen };
             let output = Output::Preview(index, ahead);
-            self.output(named(&format!("preview.{key}")), text.replace('@', name), unit, output, dependencies);
+            self.output(
+                named(&format!("preview.{key}")),
+                text.replace('@', &format!("the cylinder {name}")),
+                unit,
+                output,
+                dependencies,
+            );
         }
     }
 
@@ -335,7 +345,7 @@ pub fn terminals<Q: Copy>(system: &HydraulicSystem, variables: &Variables<Q>) ->
         let inputs =
             PARTS.iter().filter_map(|(key, ..)| Some(Member { name: (*key).to_owned(), variable: find(key)? }));
         let members = force.into_iter().chain(inputs).collect();
-        let description = format!("Force and motion of {name}");
+        let description = format!("Force and motion of the cylinder {name}");
         Terminal { name: name.to_owned(), kind: "length".to_owned(), description, members }
     };
     system.cylinders.iter().map(of).collect()

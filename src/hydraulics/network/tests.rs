@@ -364,14 +364,14 @@ fn implausible_networks_are_warned_of() {
         (
             "\"precharge_pressure\": 10e6",
             "\"precharge_pressure\": 5e4",
-            ["precharge_pressure: is 50000 Pa", "reservoir"],
+            ["precharge_pressure: the precharge pressure is 50000 Pa", "reservoir"],
         ),
         ("\"volume\": 5e-4", "\"volume\": 1e-7", ["accumulators.accumulator.volume", "1 l = 1e-3 m3"]),
         ("\"start_pressure\": 20.5e6", "\"start_pressure\": 205", ["nodes.supply.start_pressure", "1 bar = 1e5 Pa"]),
         (
             "\"overlap\": 0.05",
             "\"overlap\": 1.5",
-            ["valves.selector.overlap: is 1.5, but usual values", "from -1 to 1"],
+            ["valves.selector.overlap: the value is 1.5, but usual values", "from -1 to 1"],
         ),
         ("\"air_fraction\": 0.005", "\"bulk_modulus\": 1", ["fluid.bulk_modulus", "usual values"]),
         ("\"pressure\": 24e6", "\"pressure\": 18e6", ["pumps.engine_pump.full_pressure", "supply_relief"]),

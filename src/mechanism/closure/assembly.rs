@@ -159,14 +159,14 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
                     }
                     (None, Some(joint)) if matches!(joint.freedom, Freedom::Coupling(_)) => {
                         format!(
-                            "is a coupling, which has no guess: guess the angles of the coupled bodies instead; a \
-                             guess is possible for {all}"
+                            "this element is a coupling, which has no guess: guess the angles of the coupled bodies \
+                             instead; a guess is possible for {all}"
                         )
                     }
                     (None, Some(joint)) if joint.freedom == Freedom::Revolute => {
                         format!(
-                            "is a revolute joint, which has no guess: guess the angles of bodies instead; a guess is \
-                             possible for {all}"
+                            "this element is a revolute joint, which has no guess: guess the angles of bodies instead; \
+                             a guess is possible for {all}"
                         )
                     }
                     (None, Some(_)) => format!(
@@ -186,7 +186,7 @@ pub fn guessed(linkage: &Linkage, guess: &Named<f64>) -> Result<Vec<f64>, Assemb
     if let Some(first) = missing.next() {
         let others: Vec<String> = missing.map(|i| format!("{} of {}", what(i), linkage.coordinates[i])).collect();
         let others = if others.is_empty() { String::new() } else { format!("; also missing: {}", others.join(", ")) };
-        let message = format!("is missing: add a rough {}{others}", what(first));
+        let message = format!("the guess of this element is missing: add a rough {}{others}", what(first));
         return Err(AssemblyError::Guess { name: linkage.coordinates[first].clone(), message });
     }
     Ok(q.into_iter().flatten().collect())

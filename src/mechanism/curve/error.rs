@@ -53,8 +53,8 @@ impl fmt::Display for CurveError {
         match self {
             Self::Massless(position) => write!(
                 f,
-                "the reduced inertia is zero or almost zero at {position}, because no mass, or almost no mass, moves \
-                 there; add a mass or an inertia to a body that moves there"
+                "the reduced inertia is zero or almost zero at {position}, because no mass, or almost no mass moves \
+                    there; add a mass or an inertia to a body that moves at this position"
             ),
             Self::NearCrossing { position, miss: None, .. } => write!(
                 f,
@@ -73,8 +73,8 @@ impl fmt::Display for CurveError {
             Self::Stuck { position, .. } => {
                 write!(
                     f,
-                    "the motion cannot be computed beyond {position}: the path of the mechanism ends or has a cusp \
-                     there; change the lengths"
+                    "the motion cannot be computed beyond {position}: the path of the mechanism ends or has a cusp at \
+                        this position; change the lengths"
                 )
             }
             Self::Unwound { position, revolutions } => write!(

@@ -71,8 +71,8 @@ keys! {
     pub struct Joint {
         /// Kind of joint. `revolute`: a pin joint, in which the two points coincide. `prismatic`: a sliding joint,
         /// whose second point moves along a line through its first point. The angle between the two bodies of a
-        /// prismatic joint is constant. `slot`: a pin in a curved slot or track. The pin is the second point. The slot
-        /// is an arc or a smooth curve in the first body.
+        /// prismatic joint is constant. `slot`: a pin in a curved slot or track. The pin is at the second point of the
+        /// joint. The slot is an arc or a smooth curve that is fixed to the first body of the joint.
         kind as "type": JointKind => Key::PLAIN.required();
         /// Point (`body.point`) of the first body. The reaction outputs of the joint are the force of the first body on
         /// the second body.
@@ -81,48 +81,48 @@ keys! {
         second: String => point().required();
         /// Allowed only for a prismatic joint: direction of sliding, as an angle in the frame of the first body [rad].
         axis_angle: Option<f64> =>
-            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding in the joint @, as an angle \
+            number(Radian, Range::Finite).parameter(Role::Geometry, "Direction of sliding in @, as an angle \
                 in the frame of the first body").absent("0");
         /// Allowed only for a prismatic joint: angle from the x axis of the first body to the x axis of the second body
         /// [rad].
         angle: Option<f64> =>
             number(Radian, Range::Finite).parameter(Role::Geometry, "Angle from the x axis of the first body to the x \
-                axis of the second body in the joint @").absent("0");
+                axis of the second body in @").absent("0");
         /// Allowed only for a slot: radius of an arc-shaped slot [m], > 0. The centre of the arc is the first point of
         /// the joint.
         radius: Option<f64> =>
-            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the slot @");
+            number(Metre, Range::Length).parameter(Role::Geometry, "Radius of @");
         /// Allowed only for a slot with `radius`: direction from the arc centre to the start of the slot, as an angle
         /// in the frame of the first body [rad]. The position of the joint is measured anticlockwise from the start of
         /// the slot.
         from_angle: Option<f64> => number(Radian, Range::Turn)
-            .parameter(Role::Geometry, "Direction from the centre to the start of the slot @").absent("0");
+            .parameter(Role::Geometry, "Direction from the centre to the start of @").absent("0");
         /// Allowed only for a slot with `radius`: direction from the arc centre to the end of the slot, as an angle in
-        /// the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: one full
-        /// revolution.
+        /// the frame of the first body [rad]. `to_angle` must be larger than `from_angle`. Default: the slot extends
+        /// over one full revolution.
         to_angle: Option<f64> => number(Radian, Range::Turn)
-            .parameter(Role::Geometry, "Direction from the centre to the end of the slot @");
+            .parameter(Role::Geometry, "Direction from the centre to the end of @");
         /// Allowed only for a slot: points [x, y] of a curved slot, relative to the first point of the joint, in the
         /// axes of the first body [m, m]. The slot is a smooth curve through the points of `path`. The position of the
-        /// joint increases in the order of these points.
+        /// joint increases in the order of the points of `path`.
         path: Option<Vec<[f64; 2]>> => curve([Metre; 2], [Metre; 2], Range::Coordinate);
         /// Allowed only for a revolute joint: radius of the pin, for the friction torque [m], >= 0. Without the key
         /// `pin_radius` a revolute joint has no friction due to its reaction.
         pin_radius: Option<f64> =>
-            number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in the joint @");
+            number(Metre, Range::NonNegative).parameter(Role::Load, "Radius of the pin in @");
         /// Coefficient of static friction in the joint [1], >= 0. Default: the `static_coefficient` of the key
         /// `friction`.
         static_coefficient: Option<f64> =>
-            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in the joint @");
+            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of static friction in @");
         /// Coefficient of kinetic friction in the joint [1], >= 0. Default: the `kinetic_coefficient` of the key
         /// `friction`.
         kinetic_coefficient: Option<f64> =>
-            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in the joint @");
+            number(One, Range::NonNegative).parameter(Role::Law, "Coefficient of kinetic friction in @");
         /// Constant friction force of a prismatic joint or a slot, or constant friction torque of a revolute joint [N
         /// or N.m], >= 0. The constant friction `frictionloss` does not depend on the force in the joint, and can hold
         /// the joint at rest. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
-            .parameter(Role::Law, "Constant friction of the joint @").absent("0").brief();
+            .parameter(Role::Law, "Constant friction force or torque in @").absent("0").brief();
         /// Conveyor: start value of the input `<name>.surface_speed`, the speed of the sliding surface of the first
         /// body [m/s]. A belt, a chain or a sleeve moves this surface along the axis of a prismatic joint, along a slot
         /// or around the pin of a revolute joint. The surface speed is positive in the direction in which the position
@@ -134,7 +134,7 @@ keys! {
         /// where rate is the relative speed of the two bodies of the joint. For a geared motor, `armature` is the
         /// inertia of the motor times the square of the gear ratio.
         armature: Option<f64> => either([Kilogram, KilogramSquareMetre], Range::NonNegative)
-            .parameter(Role::Inertia, "Rotor inertia of the joint @").absent("0").brief();
+            .parameter(Role::Inertia, "Rotor inertia of @").absent("0").brief();
     }
 
     /// Friction acts in every revolute joint with a `pin_radius`, in every prismatic joint ([HF08] section 4), in every
@@ -159,11 +159,12 @@ keys! {
         kinetic_coefficient: f64 => number(One, Range::NonNegative)
             .parameter(Role::Law, "Coefficient of kinetic friction of joints that state no other value").required();
         /// Slip speed V_S at which the coefficient of friction is the static coefficient [m/s], >= 0. With the law
-        /// `viscous` the slip speed V_S must be > 0.
+        /// `viscous`, `static_speed` must be > 0.
         static_speed: f64 = 0.01 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed at which the coefficient of friction is the static coefficient");
-        /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], >= 0. V_d must be
-        /// larger than V_S. With the law `stick`, V_d = V_S = 0 is allowed too.
+        /// Slip speed V_d above which the coefficient of friction is the kinetic coefficient [m/s], >= 0.
+        /// `kinetic_speed` must be larger than `static_speed`. With the law `stick`, `static_speed` and `kinetic_speed`
+        /// may both be 0.
         kinetic_speed: f64 = 1.0 => number(MetrePerSecond, Range::NonNegative)
             .parameter(Role::Load, "Slip speed above which the coefficient of friction is the kinetic coefficient");
     }
@@ -207,11 +208,11 @@ impl Body {
     }
 
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        Owner { group: Some("bodies"), name, is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: Some("bodies"), kind: "the body ", name, is_rotary: false }.parameters(self, &Some, visit);
         for (point, coordinates) in self.points.iter_mut() {
             for ((axis, index), value) in AXES.into_iter().zip(coordinates) {
                 let key = ["bodies.", name, ".points.", point, index];
-                let description = [axis, " coordinate of the point ", point, " of ", name, " in the frame of the body"];
+                let description = [axis, " coordinate of the point ", point, " in the frame of the body ", name];
                 let kind = (Metre, Range::Coordinate, Role::Geometry);
                 visit(Parameter::new([name, ".", point, "_", axis], key, description, kind), value);
             }
@@ -222,7 +223,8 @@ impl Body {
 impl Joint {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let is_rotary = self.kind == JointKind::Revolute;
-        Owner { group: Some("joints"), name, is_rotary }.parameters(self, &Some, visit);
+        let kind = if self.kind == JointKind::Slot { "the slot " } else { "the joint " };
+        Owner { group: Some("joints"), kind, name, is_rotary }.parameters(self, &Some, visit);
     }
 }
 
@@ -233,10 +235,10 @@ impl Friction {
             MetrePerSecond if !is_stick => Some(Key { range: Range::Positive, ..key }),
             _ => Some(key),
         };
-        Owner { group: None, name: "friction", is_rotary: false }.parameters(self, &refined, visit);
+        Owner { group: None, kind: "", name: "friction", is_rotary: false }.parameters(self, &refined, visit);
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        Owner { group: None, name: "friction", is_rotary: false }.flags(self, visit);
+        Owner { group: None, kind: "", name: "friction", is_rotary: false }.flags(self, visit);
     }
 }

@@ -24,7 +24,7 @@ keys! {
         angle: Option<f64> => number(Radian, Range::Revolution);
         /// Change of the cam's lift over the segment, positive or negative [m or rad]. For an oscillating follower the
         /// lift is an angle in rad. A segment with the law `dwell` cannot have the key `rise`. The key `rise` may be
-        /// absent only in the last segment: the lift then returns to 0.
+        /// absent only in the last segment, in which the lift then returns to 0.
         rise: Option<f64> => either([Metre, Radian], Range::Coordinate);
     }
 }

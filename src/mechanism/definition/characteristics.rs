@@ -19,7 +19,8 @@ fn function(key: &str, points: &[[f64; 2]], abscissa: &str) -> Result<Piecewise,
         Range::Coordinate.check(format_args!("{key}[{i}]"), value)?;
     }
     if points.len() < 2 {
-        let message = format_args!("has {} points [{abscissa}, force], but a curve needs 2 or more", points.len());
+        let message =
+            format_args!("the curve has {} points [{abscissa}, force], but a curve needs 2 or more", points.len());
         return refused(key, message);
     }
     if let Some(i) = points.windows(2).position(|pair| pair[0][0] >= pair[1][0]) {
@@ -191,8 +192,7 @@ fn warn_of_damper(key: &str, points: &[[f64; 2]], all: &mut Vec<Finding>) {
         all.push(Finding::warning(
             key,
             message,
-            "use damper forces that rise with the speed, unless the fall is \
-                                                 intended",
+            "use damper forces that rise with the speed, unless the fall is intended",
         ));
     }
     for (is_missing, word) in [

@@ -29,28 +29,28 @@ keys! {
         limit: Limit => Key::PLAIN.required();
         /// Limit of the angle at the stop [rad]: for the key `body` the angle of the body, otherwise the angle of the
         /// second body relative to the first body.
-        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit angle at the stop @");
+        angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Limit of the angle at @");
         /// Position of the prismatic joint or of the slot at the stop [m].
-        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit position at the stop @");
+        position: Option<f64> => number(Metre, Range::Finite).parameter(Role::Load, "Limit of the position at @");
         /// Distance between the two points at the stop [m], >= 0.
         length: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Distance between the two \
-            points at the stop @");
+            points at @");
         /// true: the stop acts on the mechanism. false: the stop is ignored.
-        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: the stop @ acts; false: the stop is ignored");
+        enabled: bool = true => Key::PLAIN.parameter(Role::Load, "true: @ acts; false: the stop is ignored");
         /// true: a rigid stop with `restitution`. false: a bumper, which is a spring and damper that only pushes. A
         /// stop with `stiffness`, `damping` or `points` must also have the key `rigid`.
         rigid: Option<bool> => Key::PLAIN
-            .parameter(Role::Load, "true: the stop @ is rigid; false: the stop is a bumper, which is a spring and \
+            .parameter(Role::Load, "true: @ is rigid; false: the stop is a bumper, which is a spring and \
                 damper that only pushes").absent("true");
         /// For a rigid stop: speed after an impact divided by the speed before the impact [1], 0 to 1.
-        restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed after an impact on the stop @ divided \
-            by the speed before the impact");
+        restitution: f64 => number(One, Range::Unit).parameter(Role::Law, "Speed of the mechanism after an impact on \
+            @, divided by the speed before the impact");
         /// For a bumper: stiffness of the bumper [N/m or N.m/rad], >= 0.
         stiffness: f64 => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Stiffness of the stop @, if the stop is a bumper");
+            .parameter(Role::Law, "Stiffness of @, if the stop is a bumper");
         /// For a bumper: damping coefficient of the bumper [N.s/m or N.m.s/rad], >= 0.
         damping: f64 => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Damping coefficient of the stop @, if the stop is a bumper");
+            .parameter(Role::Law, "Damping coefficient of @, if the stop is a bumper");
         /// For a bumper: additional force as a curve over the compression [m or rad, N or N.m]. The list
         /// `points` contains pairs of compression and force. The first pair of `points` must be [0, 0], and the force
         /// must not decrease with the compression. Beyond the last pair, the force curve of the bumper is a straight
@@ -70,15 +70,16 @@ keys! {
         at: String => point().required();
         /// Start value of the input `<name>.engage`. true: the lock is engaged.
         engage: bool;
-        /// Detent: force on the point `at` at which an engaged lock releases the mechanism [N], > 0. Without the key
-        /// `release_force`, a lock holds any load. The stop of a lock with `release_force` must be rigid.
+        /// Release force of a detent: force on the point `at` at which an engaged lock releases the mechanism [N], > 0.
+        /// Without the key `release_force`, a lock holds any load. The stop of a lock with `release_force` must be
+        /// rigid.
         release_force: Option<f64> => number(Newton, Range::Positive)
-            .parameter(Role::Law, "Force at which the lock @ releases");
+            .parameter(Role::Law, "Force at which @ releases the mechanism");
         /// Latch: force or torque of the stop above which the lock engages, while the input `<name>.engage` is true [N
         /// or N.m], > 0. Without the key `engage_force`, a lock engages as soon as the mechanism is at the stop. A lock
         /// cannot have both the keys `engage_force` and `release_force`.
         engage_force: Option<f64> => either([Newton, NewtonMetre], Range::Positive)
-            .parameter(Role::Law, "Force of the stop at which the lock @ engages").brief();
+            .parameter(Role::Law, "Force of the stop at which @ engages").brief();
     }
 }
 
@@ -94,7 +95,7 @@ words! {
 
 impl Lock {
     pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
-        Owner { group: Some("locks"), name, is_rotary }.parameters(self, &Some, visit);
+        Owner { group: Some("locks"), kind: "the lock ", name, is_rotary }.parameters(self, &Some, visit);
     }
 }
 
@@ -107,10 +108,10 @@ impl Stop {
 
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let is_rotary = self.angle.is_some();
-        Owner { group: Some("stops"), name, is_rotary }.parameters(self, &Some, visit);
+        Owner { group: Some("stops"), kind: "the stop ", name, is_rotary }.parameters(self, &Some, visit);
     }
 
     pub(super) fn flags(&mut self, name: &str, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        Owner { group: Some("stops"), name, is_rotary: false }.flags(self, visit);
+        Owner { group: Some("stops"), kind: "the stop ", name, is_rotary: false }.flags(self, visit);
     }
 }

@@ -30,26 +30,28 @@ keys! {
         /// Position gain of the controller [N/m or N.m/rad], >= 0. The input `<name>.command` is the commanded length,
         /// position or angle of the drive.
         position_gain: Option<f64> => either([NewtonPerMetre, NewtonMetrePerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Position gain");
+            .parameter(Role::Law, "Position gain of the controller");
         /// Speed gain of the controller [N.s/m or N.m.s/rad], >= 0. The input `<name>.command_speed` is the commanded
         /// speed of the drive.
         speed_gain: Option<f64> => either([NewtonSecondPerMetre, NewtonMetreSecondPerRadian], Range::NonNegative)
-            .parameter(Role::Law, "Speed gain");
+            .parameter(Role::Law, "Speed gain of the controller");
         /// Integral gain of the controller [N/(m.s) or N.m/(rad.s)], >= 0. The integral part of the drive force changes
         /// at the rate integral_gain * (command - x), where x is the length, position or angle of the drive. The key
         /// `integral_gain` is allowed only together with `position_gain`.
         integral_gain: Option<f64> => either([NewtonPerMetreSecond, NewtonMetrePerRadianSecond], Range::NonNegative)
-            .parameter(Role::Law, "Integral gain").brief();
+            .parameter(Role::Law, "Integral gain of the controller").brief();
         /// Time constant with which the integral part follows the drive force while the drive force is at a limit
         /// (anti-windup by back-calculation) [s], > 0. Default: position_gain / integral_gain.
         tracking_time: Option<f64> => number(Second, Range::Positive)
-            .parameter(Role::Law, "Tracking time of the integral part").brief();
+            .parameter(Role::Law, "Tracking time of the integral part in the controller").brief();
         /// Integral part of the drive force at the start of the run [N or N.m].
         start_integral: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
-            .parameter(Role::CircuitStart, "Integral part of the force at the start").absent("0").brief();
-        /// Time constant T with which the force of the drive follows the force of the controller [s], > 0: dF/dt =
-        /// (F_controller - F) / T. For an electric motor, T is the time constant of the current control. Without the
-        /// key `force_time_constant` the force of the drive follows the force of the controller without delay.
+            .parameter(Role::CircuitStart, "Integral part of the force of @ at the start of the \
+                run").absent("0").brief();
+        /// Time constant T with which the force F of the drive follows the force F_controller of the controller [s], >
+        /// 0: dF/dt = (F_controller - F) / T. For an electric motor, `force_time_constant` is the time constant of the
+        /// current control. Without the key `force_time_constant` the force of the drive follows the force of the
+        /// controller without delay.
         force_time_constant: Option<f64> => number(Second, Range::Positive)
             .parameter(Role::Law, "Time constant of the force").brief();
         /// Largest size of the time derivative dF/dt of the drive force F [N/s or N.m/s], > 0. The key `max_force_rate`
@@ -59,7 +61,7 @@ keys! {
         /// Force of the drive at the start of the run [N or N.m]. Default: the force of the controller at the start of
         /// the run. The key `start_force` is allowed only together with `force_time_constant`.
         start_force: Option<f64> => either([Newton, NewtonMetre], Range::Finite)
-            .parameter(Role::CircuitStart, "Force of the drive at the start").brief();
+            .parameter(Role::CircuitStart, "Force of @ at the start of the run").brief();
         /// Start value of the input `<name>.command` [m or rad]. The key `command` is allowed only together with
         /// `position_gain`.
         command: Option<f64> => either([Metre, Radian], Range::Finite).absent("0");
@@ -164,9 +166,9 @@ impl Mechanism {
             }
             if self.start.equilibrium && state == ControlState::Integral {
                 refuse(format!(
-                    "`start` cannot be `equilibrium` with an integral part, which is in balance only at the command: \
-                     give a start position in `start`, and the force that holds the mechanism there in start_integral \
-                     (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
+                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant only \
+                     at the command: give a start position in `start`, and the force that holds the mechanism there in \
+                     start_integral (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
                 ));
             }
         }

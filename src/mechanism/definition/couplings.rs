@@ -15,9 +15,10 @@ use crate::variables::Unit::{Metre, Newton, One, Radian};
 const PRESSURE_ANGLE: f64 = 20.0 * std::f64::consts::PI / 180.0;
 
 keys! {
-    /// Gears, a rack, a belt or a cam connect two motions u1 and u2: u2 = F(u1). The motion u1 is the angle of the
-    /// first wheel relative to the carrier. The motion u2 is the angle of the second wheel relative to the carrier, or
-    /// the position of the rack. For gears, racks and belts u2 = ratio * u1 + phase.
+    /// A coupling (gears, rack, belt or cam) makes the motion u2 of one body a function of the motion u1 of another
+    /// body: u2 = F(u1). The motion u1 is the angle of the first wheel relative to the carrier. The motion u2 is the
+    /// angle of the second wheel relative to the carrier, or the position of the rack. For gears, racks and belts the
+    /// function is u2 = ratio * u1 + phase.
     pub struct Coupling {
         /// Kind of coupling. `gears`: two gear wheels. `rack`: a gear wheel and a rack. `belt`: a belt or chain around
         /// two pulleys. `elliptic_gears`: two equal elliptic gear wheels. `cam`: a disc cam and its follower. The type
@@ -59,10 +60,10 @@ keys! {
         /// of the follower for an oscillating follower.
         face_angle: Option<f64> => number(Radian, Range::Turn).parameter(Role::Geometry, "Direction along the flat \
             face of the follower of @, as an angle in the frame of the follower");
-        /// Cam: angle u1 of the cam at which the first segment starts, or at which the list `points` has the angle 0
+        /// Cam: angle of the cam at which the first segment starts, or at which the list `points` has the angle 0
         /// [rad].
         start_angle: Option<f64> =>
-            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of the cam @ at which the \
+            number(Radian, Range::Turn).parameter(Role::Geometry, "Angle of @ at which the \
                 first segment or the table of the lift starts").absent("0");
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
@@ -74,14 +75,15 @@ keys! {
         interpolation: Option<Interpolation> => Key::PLAIN.absent("\"spline\"");
         /// Cam: true if a groove or a second cam holds the follower in both directions.
         grooved: Option<bool> => Key::PLAIN.absent("false");
-        /// Cam: coefficient of static friction between cam and follower [1], >= 0. A cam without both coefficients has
-        /// no friction. If only one of the two coefficients is given, the key `friction` states the other one. For a
-        /// roller, give the coefficient of the pin of the roller times its pin radius / `roller_radius`.
+        /// Cam: coefficient of static friction between cam and follower [1], >= 0. A cam without `static_coefficient`
+        /// and `kinetic_coefficient` has no friction. If a cam has only one of `static_coefficient` and
+        /// `kinetic_coefficient`, the key `friction` states the missing coefficient. For a roller, state the friction
+        /// coefficient of the roller's pin, multiplied by the pin radius and divided by `roller_radius`.
         static_coefficient: Option<f64> => number(One, Range::NonNegative)
-            .parameter(Role::Law, "Coefficient of static friction of the contact of the cam @");
+            .parameter(Role::Law, "Coefficient of static friction of the contact of @");
         /// Cam: coefficient of kinetic friction between cam and follower [1], >= 0.
         kinetic_coefficient: Option<f64> => number(One, Range::NonNegative)
-            .parameter(Role::Law, "Coefficient of kinetic friction of the contact of the cam @");
+            .parameter(Role::Law, "Coefficient of kinetic friction of the contact of @");
         /// Gears: number of teeth of the first wheel [1], > 0. Only the ratio of `first_teeth` to `second_teeth`
         /// matters.
         first_teeth: Option<f64> => number(One, Range::Positive).parameter(Role::Geometry, "Number of teeth of the \
@@ -98,7 +100,7 @@ keys! {
         /// Belt: radius of the second pulley [m], > 0.
         second_radius: Option<f64> =>
             number(Metre, Range::Length).parameter(Role::Geometry, "Radius of the second pulley");
-        /// Belt: true if the two spans of the belt cross. The pulleys then turn in opposite directions.
+        /// Belt: true if the two spans of the belt cross. The pulleys of a crossed belt turn in opposite directions.
         crossed: Option<bool> => Key::PLAIN.absent("false");
         /// Belt: tension of each span of the belt at rest without load [N], >= 0.
         pretension: Option<f64> =>
@@ -111,8 +113,8 @@ keys! {
         /// Gears, elliptic gears, rack: pressure angle of the teeth [rad], from 0 to 1.2 rad. Default: 20 degrees.
         pressure_angle: Option<f64> => number(Radian, Range::Pressure)
             .parameter(Role::Load, "Pressure angle of the teeth");
-        /// Value of u2 (position of the rack or angle of the second wheel) at u1 = 0 [m or rad]. Default: the value
-        /// that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
+        /// Position of the rack, or angle of the second wheel, at the angle 0 of the first wheel [m or rad]. Default:
+        /// the phase that follows from the positions in `guess`. The key `phase` is not allowed for a cam.
         phase: Option<f64> => either([Metre, Radian], Range::Coordinate).parameter(Role::Geometry, "");
         /// Gears, rack, belt: efficiency of the coupling (fraction of the power that is not lost) [1], > 0 and <= 1.
         /// Without the key `backward_efficiency`, the efficiency of the coupling is equal in both directions of the
@@ -122,7 +124,7 @@ keys! {
         /// to 1 [1]. With `backward_efficiency` = 0 the coupling is self-locking: the second body cannot drive the
         /// first body. The key `backward_efficiency` needs the key `efficiency`.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
-            .parameter(Role::Load, "Efficiency for the power flow from the second body to the first body of");
+            .parameter(Role::Load, "Efficiency of @ for the power flow from the second body to the first body");
     }
 }
 
@@ -194,6 +196,12 @@ impl CouplingKind {
 impl Coupling {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
         let is_rotary = self.kind != CouplingKind::Rack;
+        let kind = match self.kind {
+            CouplingKind::Cam => "the cam ",
+            CouplingKind::Belt => "the belt ",
+            CouplingKind::Rack => "the rack ",
+            _ => "the gears ",
+        };
         // Wheels and what all couplings have; what makes their ratio vary; loads.
         for part in 0..3 {
             let refined = |key: Key| {
@@ -203,7 +211,7 @@ impl Coupling {
                     _ => 1,
                 };
                 let key = match (key.name, is_rotary) {
-                    ("phase", false) => Key { words: "Position of the rack @ at the angle 0 of the wheel", ..key },
+                    ("phase", false) => Key { words: "Position of @ at the angle 0 of the wheel", ..key },
                     ("phase", true) => Key {
                         words: "Angle of the second wheel of @ at the angle 0 of the first wheel",
                         range: Range::Turn,
@@ -213,7 +221,7 @@ impl Coupling {
                 };
                 (is_of == part).then_some(key)
             };
-            Owner { group: Some("couplings"), name, is_rotary }.parameters(self, &refined, visit);
+            Owner { group: Some("couplings"), kind, name, is_rotary }.parameters(self, &refined, visit);
         }
     }
 
@@ -264,7 +272,7 @@ impl Mechanism {
                 return refused(k, &format!("this type of coupling cannot have this key; its keys are {keys}"));
             }
             if !is_given && is_needed {
-                return refused(k, "this type of coupling needs this key: add it");
+                return refused(k, "this type of coupling needs this key: add the key");
             }
         }
         self.point(key("first"), &coupling.first)?;

@@ -375,7 +375,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
             let along = Vec2::from(end) - origin;
             let length = along.norm();
             if length == 0.0 {
-                let message = "the points end and origin coincide, so the body has no length: correct one of them";
+                let message = "the points end and origin coincide, so the body has no length: correct one of the two \
+                    points";
                 return Err(DefinitionError::key(key(".end"), message));
             }
             match body.length {

@@ -27,12 +27,12 @@ keys! {
         tolerance: f64 = 1e-9 => number(One, Range::Tolerance)
             .parameter(Role::Tolerance, "Relative tolerance of the time integration").required();
         /// Smallest speed to which the relative tolerance refers, as a fraction of a reference speed [1], > 0 and <= 1.
-        /// The reference speed is the speed of the mechanism if the present loads move the mechanism from rest over 1
-        /// rad. With a small value of `speed_floor` slow creep is computed accurately.
+        /// The reference speed is the speed of the mechanism after the present loads have moved the mechanism from rest
+        /// over 1 rad. With a small value of `speed_floor` slow creep is computed accurately.
         speed_floor: f64 = 1.0 => number(One, Range::Fraction).parameter(
             Role::Scale,
-            "Smallest speed to which the relative tolerance refers, as a fraction of the speed of the mechanism if \
-                the present loads move the mechanism from rest over 1 rad",
+            "Smallest speed to which the relative tolerance refers, as a fraction of a reference speed: the speed of \
+                the mechanism after the present loads have moved the mechanism from rest over 1 rad",
         );
         /// Largest number of integration steps in one communication step [1], a whole number. Rejected steps, substeps
         /// of the method `rigid_fem`, and events count as integration steps.
@@ -89,6 +89,7 @@ impl Start {
                 }
                 _ => return,
             };
+        let owner = if self.body.is_some() { "the body " } else { "the joint " };
         let mut add = |quantity, kind, value| {
             let word = match (self.equilibrium, quantity) {
                 (true, "angle" | "position") => {
@@ -96,7 +97,7 @@ impl Start {
                 }
                 _ => "Start ",
             };
-            let description = [word, quantity, " of ", of];
+            let description = [word, quantity, " of ", owner, of];
             visit(Parameter::new([of, ".start_", quantity], ["start.", quantity], description, kind), value);
         };
         add(quantity, (unit, range, Role::StartPosition), value);
@@ -118,10 +119,10 @@ impl Solver {
     }
 
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
-        Owner { group: None, name: "solver", is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: None, kind: "", name: "solver", is_rotary: false }.parameters(self, &Some, visit);
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        Owner { group: None, name: "solver", is_rotary: false }.flags(self, visit);
+        Owner { group: None, kind: "", name: "solver", is_rotary: false }.flags(self, visit);
     }
 }

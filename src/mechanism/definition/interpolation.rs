@@ -97,8 +97,8 @@ fn warn_of_table(
     let farthest = samples.map(|x| (x, at(x))).max_by(|a, b| beyond(a.1).total_cmp(&beyond(b.1)));
     let Some((x, value)) = farthest.filter(|(_, value)| beyond(*value) > BEYOND * (high - low)) else { return };
     let message = format_args!(
-        "the spline overshoots the points: it reaches {} {second} at the {of} {} {first}, but the points lie between \
-         {} {second} and {} {second}",
+        "the spline overshoots the points: the spline reaches {} {second} at the {of} {} {first}, but the points lie \
+         between {} {second} and {} {second}",
         Decimal::rounded(value),
         Decimal::rounded(x),
         Decimal(low),

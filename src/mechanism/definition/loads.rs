@@ -59,10 +59,10 @@ keys! {
         /// of the key `efficiency`. The value 0 is allowed only for a drive with a `screw` that has an `inertia`: the
         /// screw locks itself, so that no load on the nut turns the screw.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
-            .parameter(Role::Load, "Efficiency for the power flow from the mechanism to the drive");
-        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The outputs for a body
-        /// are its share in the reduced mass and in the static load of the drive, and the ratios between the speeds of
-        /// drive and body.
+            .parameter(Role::Load, "Efficiency of @ for the power flow from the mechanism to the drive");
+        /// true: the drive has additional outputs for each moving body ([CK16] conclusion 3). The additional outputs
+        /// for a body are the share of the body in the reduced mass and in the static load of the drive, and the ratios
+        /// between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
         /// The input `<name>.command` is a factor of the force of the curve `points`. The list `points` contains pairs
@@ -118,13 +118,13 @@ keys! {
         constant: bool;
     }
 
-    /// A spring can combine a linear spring, a damper, force curves and a gas filling. Between two points the force
-    /// preload + stiffness * (length - free_length) + damping * d(length)/dt pulls the points together. For a spring in
-    /// a prismatic joint, the position of the joint replaces the length, and a positive force moves the second body
-    /// against the direction of the axis. For a spring in a revolute joint or between two bodies, the torque preload +
-    /// stiffness * (angle - free_angle) + damping * d(angle)/dt turns the second body clockwise. The angle of the
-    /// spring is the angle of the second body relative to the first body. The spring force also includes the forces of
-    /// the keys `points`, `damping_points` and `gas`.
+    /// A spring can combine a linear spring, a damper, force curves and a gas filling. A spring between two points
+    /// pulls the points together with the force preload + stiffness * (length - free_length) + damping * d(length)/dt.
+    /// For a spring in a prismatic joint, the position of the joint replaces the length, and a positive force moves the
+    /// second body against the direction of the axis. For a spring in a revolute joint or between two bodies, the
+    /// torque preload + stiffness * (angle - free_angle) + damping * d(angle)/dt turns the second body clockwise. The
+    /// angle of the spring is the angle of the second body relative to the first body. The spring force also includes
+    /// the forces of the keys `points`, `damping_points` and `gas`.
     pub struct Spring {
         /// Point (`body.point`) at the first end of the spring.
         first: Option<String> => point();
@@ -154,7 +154,7 @@ keys! {
         /// pulls the ends of the spring together. A positive preload torque turns the second body of the spring
         /// clockwise, relative to the first body.
         preload: Option<f64> => either([Newton, NewtonMetre], Range::Finite).parameter(Role::Load,
-            "Preload").absent("0");
+            "Preload (force at the free length, or torque at the free angle)").absent("0");
         /// Additional pulling force of the spring as a curve over the length, position or angle of the spring [m or
         /// rad, N or N.m]. The list `points` contains pairs of length and force in the order of increasing length.
         /// Beyond the first and the last pair, the force curve is a straight line.
@@ -171,8 +171,8 @@ keys! {
     }
 
     /// The object `gas` describes the gas filling of a gas spring. The gas volume is V = volume + area * (length -
-    /// free_length). The gas pressure is p = pressure * (volume / V)^exponent. The spring force includes the pulling
-    /// force of the gas, (ambient - p) * area.
+    /// free_length). The absolute gas pressure is p = pressure * (volume / V)^exponent, where V is the gas volume. The
+    /// spring force includes the pulling force of the gas, (ambient - p) * area, where p is the gas pressure.
     pub struct Gas: Copy {
         /// Absolute pressure of the gas at the free length [Pa], > 0.
         pressure: f64 => number(Pascal, Range::Positive)
@@ -180,7 +180,7 @@ keys! {
         /// Area on which the gas pressure acts [m2], > 0. If the gas is on both sides of the piston, `area` is the
         /// cross section of the rod.
         area: f64 => number(SquareMetre, Range::Positive)
-            .parameter(Role::Load, "Area on which the gas pressure of @ acts").required();
+            .parameter(Role::Load, "Area on which the pressure of the gas filling @ acts").required();
         /// Gas volume at the free length [m3], > 0.
         volume: f64 => number(CubicMetre, Range::Positive)
             .parameter(Role::Load, "Gas volume at the free length").required();
@@ -190,8 +190,8 @@ keys! {
             gas").required();
         /// Absolute pressure of the air around the spring [Pa], >= 0. Default: the pressure of the standard atmosphere,
         /// 101325 Pa.
-        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute pressure of \
-            the surrounding air");
+        ambient: f64 = 101_325.0 => number(Pascal, Range::NonNegative).parameter(Role::Load, "Absolute pressure of the \
+            air around the gas");
     }
 
     /// The object `air` describes a uniform air flow past the mechanism. The speed of the flow is the input
@@ -215,27 +215,28 @@ keys! {
         airspeed: f64 => number(MetrePerSecond, Range::Finite);
     }
 
-    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is 1/2
-    /// * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is the
-    /// air velocity relative to the surface [m/s]. The projected area S is perpendicular to u [m2].
+    /// The air exerts drag on a surface: a strip between two points of one body, or an area at a point. The drag is
+    /// 1/2 * density * c * S * |u| * u [N] ([HF08] eq. (1)). In the drag formula, c is the drag coefficient and u is
+    /// the air velocity relative to the surface [m/s]. The projected area S of the surface is perpendicular to the air
+    /// velocity u [m2].
     pub struct Surface {
         /// Point (`body.point`) at the first end of a strip.
         from: Option<String> => point();
         /// Point (`body.point`) at the second end of a strip, on the same body.
         to: Option<String> => point();
         /// Width of a strip [m], >= 0.
-        width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of the surface @");
+        width: Option<f64> => number(Metre, Range::NonNegative).parameter(Role::Load, "Width of @");
         /// Point (`body.point`) at which the drag of an area acts.
         at: Option<String> => point();
         /// Area of a surface that has the key `at` [m2], >= 0.
-        area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of the surface @");
+        area: Option<f64> => number(SquareMetre, Range::NonNegative).parameter(Role::Load, "Area of @");
         /// Direction of the plane of a flat area, as an angle in the frame of the body [rad]. Without the key
         /// `surface_angle`, the projected area of the surface is equal in all directions of the flow.
         surface_angle: Option<f64> => number(Radian, Range::Finite).parameter(Role::Load, "Direction of the plane of \
-            the surface @, as an angle in the frame of the body");
+            @, as an angle in the frame of the body");
         /// Drag coefficient c of the surface [1], >= 0.
         drag_coefficient: f64 => number(One, Range::NonNegative)
-            .parameter(Role::Law, "Drag coefficient of the surface @").required();
+            .parameter(Role::Law, "Drag coefficient of @").required();
     }
 }
 
@@ -253,7 +254,7 @@ impl Screw {
 
 impl Gravity {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
-        Owner { group: None, name: "gravity", is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: None, kind: "", name: "gravity", is_rotary: false }.parameters(self, &Some, visit);
     }
 }
 
@@ -277,7 +278,7 @@ impl Actuator {
         let motion = self.motion.clone();
         let refined = |key: Key| motion.as_ref().map_or(key, |motion| motion.refined(key));
         let own = |key: Key| (key.name != "hydraulics").then(|| refined(key));
-        Owner { group: Some("actuators"), name, is_rotary }.parameters(self, &own, visit);
+        Owner { group: Some("actuators"), kind: "the drive ", name, is_rotary }.parameters(self, &own, visit);
         self.hydraulics.iter_mut().for_each(|circuit| circuit.parameters(visit));
     }
 }
@@ -320,22 +321,22 @@ impl Spring {
             true => Some(Key { range: Range::NonNegative, ..key }),
             false => Some(key),
         };
-        Owner { group: Some("springs"), name, is_rotary }.parameters(self, &refined, visit);
+        Owner { group: Some("springs"), kind: "the spring ", name, is_rotary }.parameters(self, &refined, visit);
     }
 }
 
 impl Air {
     pub(super) fn parameters(&mut self, visit: &mut Visit) {
-        Owner { group: None, name: "air", is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: None, kind: "", name: "air", is_rotary: false }.parameters(self, &Some, visit);
     }
 
     pub(super) fn flags(&mut self, visit: &mut dyn FnMut(Flag, &mut bool)) {
-        Owner { group: None, name: "air", is_rotary: false }.flags(self, visit);
+        Owner { group: None, kind: "", name: "air", is_rotary: false }.flags(self, visit);
     }
 }
 
 impl Surface {
     pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        Owner { group: Some("surfaces"), name, is_rotary: false }.parameters(self, &Some, visit);
+        Owner { group: Some("surfaces"), kind: "the surface ", name, is_rotary: false }.parameters(self, &Some, visit);
     }
 }

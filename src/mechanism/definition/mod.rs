@@ -214,7 +214,8 @@ impl Mechanism {
         }
         match owners.as_slice() {
             [first, second, ..] => {
-                let message = format!("{first} and {second} both have the variable {variable}: rename one of them");
+                let message =
+                    format!("{first} and {second} both have the variable {variable}: rename one of the two elements");
                 DefinitionError::key(second, message)
             }
             [one] => DefinitionError::key(

@@ -124,8 +124,9 @@ impl Mechanism {
     pub(super) fn warn_of_start_speed(&self, all: &mut Vec<Finding>) {
         let Some((_, drive, motion)) = self.motion_drive() else { return };
         if motion.enabled && self.start.speed != 0.0 {
-            let message =
-                format_args!("has no effect, because actuators.{drive}.motion prescribes the speed from the start");
+            let message = format_args!(
+                "this key has no effect, because actuators.{drive}.motion prescribes the speed from the start"
+            );
             let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }

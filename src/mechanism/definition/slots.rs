@@ -51,17 +51,17 @@ impl Joint {
             if let Some((name, _)) = given[2..].iter().find(|(_, is_given)| *is_given) {
                 return refused(
                     format_args!("{key}.{name}"),
-                    "only a slot with the key radius has this key: remove it",
+                    "only a slot with the key radius has this key: remove the key",
                 );
             }
             if !(2..=MOST_POINTS).contains(&points.len()) {
-                let message = format_args!("has {} points, but must have 2 to {MOST_POINTS}", points.len());
+                let message = format_args!("the path has {} points, but must have 2 to {MOST_POINTS}", points.len());
                 return refused(format_args!("{key}.path"), message);
             }
             if let Some(k) = (1..points.len()).find(|k| points[*k] == points[k - 1]) {
                 return refused(
                     format_args!("{key}.path[{k}]"),
-                    "this point equals the point before: remove one of them",
+                    "this point equals the point before: remove one of the two points",
                 );
             }
             if self.track().is_none() {

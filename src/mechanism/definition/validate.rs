@@ -22,7 +22,8 @@ pub use network::allow_hydraulics;
 pub(super) use network::idle_keys;
 
 /// Why no cylinder and no screw acts in a slot.
-const CURVED: &str = "acts along a straight line, but a slot is curved: name a prismatic joint or two points";
+const CURVED: &str = "this element acts along a straight line, but a slot is curved: name a prismatic joint or two \
+    points";
 
 impl Mechanism {
     /// All faults of what was read that show without geometry.
@@ -142,8 +143,10 @@ impl Mechanism {
                 body = next;
                 if walks[body] == walk {
                     let key = format_args!("bodies.{}.fixed_to", bodies[first].0);
-                    faults
-                        .refuse(key, "the bodies are fixed to each other in a circle: fix one of them to another body");
+                    faults.refuse(
+                        key,
+                        "the bodies are fixed to each other in a circle: fix one of these bodies to another body",
+                    );
                 }
             }
         }
@@ -198,8 +201,8 @@ impl Mechanism {
                 }
             }
             if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
-                let message = "is 0, but only a screw with an inertia can lock itself: add the key screw with an \
-                               inertia, or give an efficiency above 0";
+                let message = "the efficiency is 0, but only a screw with an inertia can lock itself: add the key \
+                               screw with an inertia, or give an efficiency above 0";
                 faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
             }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
@@ -274,8 +277,8 @@ impl Mechanism {
             let (range, unit) = if is_body { (Range::Turn, Unit::Radian) } else { (Range::Coordinate, Unit::Metre) };
             if let Some(carrier) = self.bodies.get(name).and_then(|body| body.fixed_to.as_ref()) {
                 let message = format_args!(
-                    "the body {name} turns with the body to which it is fixed ({carrier}): remove this key, and guess \
-                     the angle of that body"
+                    "the body {name} is fixed to another body (point {carrier}): remove this key, and guess the angle \
+                     of the body that carries {name}"
                 );
                 faults.refuse(key, message);
             } else if is_body || is_joint {
@@ -334,7 +337,7 @@ impl Mechanism {
                 let (first, a) = self.point(key("from"), from)?;
                 let (second, b) = self.point(key("to"), to)?;
                 if first != second || a == b {
-                    return refused(key("to"), "must be another point on the same body as `from`");
+                    return refused(key("to"), "`to` must be another point on the same body as `from`");
                 }
                 if s.surface_angle.is_some() {
                     return refused(
@@ -429,7 +432,7 @@ impl Mechanism {
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
                 JointKind::Prismatic | JointKind::Slot => Ok(()),
                 JointKind::Revolute => {
-                    let message = "must be a prismatic joint; for a revolute joint give body and angle";
+                    let message = "the joint must be prismatic; for a revolute joint give body and angle";
                     refused("start.joint", message)
                 }
             },

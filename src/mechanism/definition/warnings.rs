@@ -95,8 +95,8 @@ impl Mechanism {
                 let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
                 if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
                     let remedy = "give pin_radius for the joints with friction";
-                    let message = "is enabled, but no joint has friction: no revolute joint has a pin_radius, and \
-                                   there is no prismatic joint";
+                    let message = "friction is enabled, but no joint has friction: no revolute joint has a pin_radius, \
+                                   and there is no prismatic joint";
                     all.push(Finding::warning("friction.enabled", message, remedy));
                 }
             }
@@ -110,7 +110,7 @@ impl Mechanism {
             match stop.rigid {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
-                    "is a bumper without stiffness, damping and points, so this stop never pushes",
+                    "this stop is a bumper without stiffness, damping and points, so the stop never pushes",
                     "add the key stiffness, or write \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
@@ -135,7 +135,7 @@ impl Mechanism {
             let forces = [Some(spring.stiffness), spring.damping, spring.preload];
             let is_linear = spring.points.is_none() && spring.gas.is_none() && spring.damping_points.is_none();
             if is_linear && forces.into_iter().flatten().all(|value| value == 0.0) {
-                let message = "is a spring without stiffness, damping and preload, so this spring has no force";
+                let message = "this spring has no stiffness, damping or preload, so the spring exerts no force";
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),
                     message,
@@ -253,8 +253,10 @@ impl Mechanism {
     fn warn_of_sizes(&self, all: &mut Vec<Finding>) {
         let acceleration = self.gravity.as_ref().map_or(0.0, |gravity| gravity.acceleration);
         if acceleration.abs() > GRAVITY {
-            let message =
-                format_args!("is {} m/s2, but the gravity of the Earth is 9.81 m/s2", Decimal::rounded(acceleration));
+            let message = format_args!(
+                "the acceleration is {} m/s2, but the gravity of the Earth is 9.81 m/s2",
+                Decimal::rounded(acceleration)
+            );
             all.push(Finding::warning(
                 "gravity.acceleration",
                 message,
@@ -272,7 +274,7 @@ impl Mechanism {
             if mass > 0.0 && size > 0.0 && inertia > STOUT * mass * size * size {
                 let radius = (inertia / mass).sqrt();
                 let message = format_args!(
-                    "is {} kg.m2: the radius of gyration is {} m in a body of {} m",
+                    "the moment of inertia is {} kg.m2: the radius of gyration is {} m in a body of {} m",
                     Decimal::rounded(inertia),
                     Decimal::rounded(radius),
                     Decimal::rounded(size)
@@ -316,8 +318,8 @@ impl Mechanism {
             let own = network.warnings().into_iter().filter(|finding| !finding.path.starts_with("experiment"));
             all.extend(own.map(|finding| Finding { path: format!("hydraulics.{}", finding.path), ..finding }));
             all.extend(idle_keys(network).into_iter().map(|path| {
-                let message = "has no effect in a mechanism, which states the motion of its cylinders and the settings \
-                               of the integration";
+                let message = "this key has no effect in a mechanism, which states the motion of its cylinders and the \
+                               settings of the integration";
                 Finding::warning(format_args!("hydraulics.{path}"), message, "remove this key")
             }));
             all.extend(

@@ -352,7 +352,7 @@ fn add_ends<F: Fn(&Configuration, f64, &mut Vec<[f64; 2]>)>(
         let joints = places.in_line(at, None).filter(|_| !walk.ends.contains(&at));
         let reason = joints.map_or_else(String::new, |joints| format!(": {joints} come into line (dead centre)"));
         let remedy = if reason.is_empty() { remedy } else { format!("{LINKS} {remedy}") };
-        let message = format!("is never reached: {ends} this stop{reason}");
+        let message = format!("the stop is never reached: {ends} this stop{reason}");
         out.findings.push(Finding::warning(format_args!("stops.{}", stop.name), message, remedy));
     }
 }
@@ -417,13 +417,13 @@ fn add_redundant_joints(reduced: &Reduced, c: &Configuration, facts: &mut Vec<Fa
         others.dedup();
         let names: Vec<&str> = others.iter().map(|&other| linkage.joints[other].name.as_str()).collect();
         let text = match names.is_empty() {
-            true => "is redundant, because other joints of the loop impose the same constraints; these joints share \
-                the reactions"
+            true => "this joint is redundant, because other joints of the loop impose the same constraints; these \
+                joints share the reactions"
                 .to_owned(),
             false => {
                 format!(
-                    "is redundant, because this joint repeats the constraints of {}; the joints of these loops share \
-                     the reactions",
+                    "this joint is redundant, because the joint repeats the constraints of {}; the joints of these \
+                     loops share the reactions",
                     names.join(", ")
                 )
             }

@@ -33,14 +33,14 @@ pub(super) fn add_joints(b: &mut Builder) {
         let is_slot = linkage.slots.iter().any(|slot| slot.coordinate == coordinate);
         let texts = match is_slot {
             true => [
-                "Position of the pin along the slot, from the start of the slot",
+                "Distance of the pin, along the slot, from the start of the slot",
                 "Speed of the pin along the slot",
                 "Rate of change of the speed of the pin along the slot",
             ],
             false => [
-                "Position along the axis of the joint",
-                "Speed along the axis of the joint",
-                "Acceleration along the axis of the joint",
+                "Position of the second body along the axis of the joint",
+                "Speed of the second body relative to the first body, along the axis of the joint",
+                "Acceleration of the second body relative to the first body, along the axis of the joint",
             ],
         };
         let derivatives = [
@@ -64,7 +64,9 @@ pub(super) fn add_reactions(b: &mut Builder) {
         }
         let body = |index: usize| s.linkage.bodies[index].name.as_str();
         let (n, is_revolute) = (j.name.as_str(), j.freedom == Freedom::Revolute);
-        let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in the joint ", n].concat();
+        let between =
+            [" that the body ", body(j.first.body), " exerts on the body ", body(j.second.body), " in the joint ", n]
+                .concat();
         let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
         let reaction = |part| Output::Reaction { joint, part };
         add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
@@ -87,13 +89,18 @@ pub(super) fn add_reactions(b: &mut Builder) {
         if friction_joints[friction_joint].kind != FrictionKind::Joint {
             continue;
         }
-        let text = ["Slip speed of ", body(j.second.body), " on ", body(j.first.body), " in the joint ", n];
+        let text =
+            ["Slip speed of the body ", body(j.second.body), " on the body ", body(j.first.body), " in the joint ", n];
         let FrictionJoint { load, surface, .. } = friction_joints[friction_joint];
         let slip = Needs { inputs: surface.as_slice(), ..s.slip_speed(load) };
         b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, slip);
         if surface.is_some() {
-            let text =
-                ["Power that moves the surface of ", body(j.first.body), " against the friction in the joint ", n];
+            let text = [
+                "Power that moves the surface of the body ",
+                body(j.first.body),
+                " against the friction in the joint ",
+                n,
+            ];
             b.output(n, "surface_power", &text, Watt, Output::SurfacePower { friction_joint }, needs);
         }
     }
@@ -135,10 +142,10 @@ pub(super) fn add_energy(b: &mut Builder) {
     let kinetic = Needs { speed: true, inertia: true, ..placed() };
     let potential = Needs { inputs: gravity, loads: &stored, ..placed() };
     b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, kinetic);
-    let text = "Potential energy of gravity (at the present load factor) and of springs";
+    let text = "Potential energy of the mechanism: energy of gravity (at the present load factor) and of the springs";
     b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
-    let text = "Integration error of the mechanism as an energy: present energy minus the energy at the start, minus \
-                the work of all loads since the start of the run";
+    let text = "Error of the time integration, expressed as an energy: present energy minus the energy at the start, \
+                minus the work of all loads since the start of the run";
     b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
 }
 
@@ -151,9 +158,9 @@ pub(super) fn add_small_motion(b: &mut Builder) {
     let mut add = |suffix, text, unit, output| {
         b.output("linearisation", suffix, &[text], unit, Output::SmallMotion(output), needs);
     };
-    let text = "Eigenfrequency of undamped small motions about the present state";
+    let text = "Eigenfrequency of undamped small motions of the mechanism about the present state";
     add("eigenfrequency", text, Hertz, SmallMotion::Eigenfrequency);
-    let text = "Damping ratio of small motions about the present state, 1 at critical damping";
+    let text = "Damping ratio of small motions of the mechanism about the present state; 1 is critical damping";
     add("damping_ratio", text, One, SmallMotion::DampingRatio);
 }
 

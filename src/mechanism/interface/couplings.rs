@@ -14,7 +14,9 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     let is_cam = matches!(s.linkage.couplings[coupling].kind, Kind::Cam(_));
     let body = |index: usize| s.linkage.bodies[index].name.as_str();
     let n = j.name.as_str();
-    let between = [" that ", body(j.first.body), " exerts on ", body(j.second.body), " in the coupling ", n].concat();
+    let between =
+        [" that the body ", body(j.first.body), " exerts on the body ", body(j.second.body), " in the coupling ", n]
+            .concat();
     let mut add = |suffix, text, part| {
         let output = Output::Reaction { joint, part };
         b.output(n, suffix, &[text, &between], Newton, output, needs);
@@ -24,16 +26,19 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
     if !is_cam {
-        let text = "Transmitted force (positive if it drives the second body of the coupling in the positive \
+        let text = "Transmitted force (a positive force drives the second body of the coupling in the positive \
                     direction)";
         add("transmitted_force", text, ReactionPart::Moment);
         let is_loss = |own: &FrictionJoint| own.joint == joint && own.kind == FrictionKind::Coupling;
         let Some(friction_joint) = friction_joints.iter().position(is_loss) else { return };
         let (output, first) = (Output::Friction { friction_joint }, body(s.linkage.couplings[coupling].carrier));
-        let on = [first, " exerts on ", body(j.second.body), " because of the losses in the coupling ", n].concat();
+        let on =
+            [first, " exerts on the body ", body(j.second.body), " because of the losses in the coupling ", n].concat();
         return match s.linkage.couplings[coupling].second {
-            Second::Angle { .. } => b.output(n, "loss_torque", &["Torque that ", &on], NewtonMetre, output, needs),
-            Second::Position { .. } => b.output(n, "loss_force", &["Force that ", &on], Newton, output, needs),
+            Second::Angle { .. } => {
+                b.output(n, "loss_torque", &["Torque that the body ", &on], NewtonMetre, output, needs)
+            }
+            Second::Position { .. } => b.output(n, "loss_force", &["Force that the body ", &on], Newton, output, needs),
         };
     }
     add(

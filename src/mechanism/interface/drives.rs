@@ -34,7 +34,7 @@ pub(super) fn add_inputs(b: &mut Builder) {
                 [". A positive torque of the motor increases the stroke of the drive", "", "", ""]
             }
             (true, Some(Between::Bodies([first, second]))) => {
-                [". A positive torque turns ", second, " anticlockwise, relative to ", first]
+                [". A positive torque turns the body ", second, " anticlockwise, relative to the body ", first]
             }
             (true, _) => {
                 let text = ". A positive torque turns the second body of the joint anticlockwise, relative to the \

@@ -104,8 +104,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(0) => (
             own("low_end"),
             [
-                "Event indicator of the rigid stop at the low end of the travel. In free motion: gap to the stop. At \
-                 rest on the stop: contact force",
+                "Event indicator of the rigid stop at the low end of the travel: gap to the stop in free motion, and \
+                    contact force while the mechanism rests on the stop",
                 "",
                 "",
                 "",
@@ -114,8 +114,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         Indicator::End(_) => (
             own("high_end"),
             [
-                "Event indicator of the rigid stop at the high end of the travel. In free motion: gap to the stop. At \
-                 rest on the stop: contact force",
+                "Event indicator of the rigid stop at the high end of the travel: gap to the stop in free motion, and \
+                    contact force while the mechanism rests on the stop",
                 "",
                 "",
                 "",
@@ -123,7 +123,7 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         ),
         Indicator::Bumper(stop) => {
             let name = s.loading.stops[stop].name.as_str();
-            let text = ". Before the contact: gap to the bumper. During the contact: contact force";
+            let text = ": gap to the bumper before the contact, and contact force during the contact";
             ([name, ".indicator"].concat(), ["Event indicator of the bumper ", name, text, ""])
         }
         Indicator::Lock(lock) => {
@@ -142,8 +142,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         }
         Indicator::Turn(joint) => {
             let name = joint_name(joint);
-            let text = "Event indicator: slip for each unit of along_curve.position, whose sign determines the \
-                        direction of friction or losses in the joint or coupling ";
+            let text = "Event indicator: slip distance divided by distance along the motion, whose sign determines the \
+                direction of friction or losses in the joint or coupling ";
             ([name, ".slip_indicator"].concat(), [text, name, "", ""])
         }
         Indicator::Slip { joint, kinetic } => {

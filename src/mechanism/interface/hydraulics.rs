@@ -48,14 +48,14 @@ fn add_inputs(b: &mut Builder) {
         }
     }
     let Some((_, _, circuit)) = b.source.mechanism.hydraulic_drive() else { return };
-    let text = ["Command of the valve, from -1 to 1. A positive command extends the cylinder"];
+    let text = ["Command of the valve, from -1 to 1; a positive command extends the cylinder"];
     b.input("valve.command".into(), &text, One, 0.0);
     if let Some(command) = b.list.last_mut() {
         command.details.bounds = [Some(-1.0), Some(1.0)];
     }
-    let text = ["Pressure of the supply, relative to the ambient pressure"];
+    let text = ["Pressure of the hydraulic supply, relative to the ambient pressure"];
     b.input("supply.pressure".into(), &text, Pascal, circuit.supply.pressure);
-    let text = ["Pressure of the tank, relative to the ambient pressure"];
+    let text = ["Pressure in the tank, relative to the ambient pressure"];
     b.input("tank.pressure".into(), &text, Pascal, circuit.tank.pressure);
 }
 
@@ -73,8 +73,22 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::Pressure(0),
         [false; 3],
     ),
-    ("chamber_a", "flow", "Oil flow into chamber A", CubicMetrePerSecond, Hydraulic::Flow(0), [true, false, true]),
-    ("chamber_a", "volume", "Volume of cylinder chamber A", CubicMetre, Hydraulic::Volume(0), [true, false, false]),
+    (
+        "chamber_a",
+        "flow",
+        "Oil flow into chamber A of the cylinder",
+        CubicMetrePerSecond,
+        Hydraulic::Flow(0),
+        [true, false, true],
+    ),
+    (
+        "chamber_a",
+        "volume",
+        "Oil volume in chamber A of the cylinder",
+        CubicMetre,
+        Hydraulic::Volume(0),
+        [true, false, false],
+    ),
     (
         "chamber_a",
         "bulk_modulus",
@@ -91,8 +105,22 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::Pressure(1),
         [false; 3],
     ),
-    ("chamber_b", "flow", "Oil flow into chamber B", CubicMetrePerSecond, Hydraulic::Flow(1), [true, false, true]),
-    ("chamber_b", "volume", "Volume of cylinder chamber B", CubicMetre, Hydraulic::Volume(1), [true, false, false]),
+    (
+        "chamber_b",
+        "flow",
+        "Oil flow into chamber B of the cylinder",
+        CubicMetrePerSecond,
+        Hydraulic::Flow(1),
+        [true, false, true],
+    ),
+    (
+        "chamber_b",
+        "volume",
+        "Oil volume in chamber B of the cylinder",
+        CubicMetre,
+        Hydraulic::Volume(1),
+        [true, false, false],
+    ),
     (
         "chamber_b",
         "bulk_modulus",
@@ -104,7 +132,7 @@ const OUTPUTS: &[Row] = &[
     (
         "valve",
         "position",
-        "Position of the valve spool, from -1 to 1 (fully open). A positive position extends the cylinder",
+        "Position of the valve spool, from -1 to 1 (fully open); a positive position extends the cylinder",
         One,
         Hydraulic::SpoolPosition,
         [false; 3],
@@ -119,12 +147,26 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::SupplyPressure,
         [false, false, true],
     ),
-    ("supply", "flow", "Oil flow out of the supply", CubicMetrePerSecond, Hydraulic::SupplyFlow, [true, false, true]),
-    ("tank", "flow", "Oil flow into the tank", CubicMetrePerSecond, Hydraulic::TankFlow, [true, false, true]),
+    (
+        "supply",
+        "flow",
+        "Oil flow out of the hydraulic supply",
+        CubicMetrePerSecond,
+        Hydraulic::SupplyFlow,
+        [true, false, true],
+    ),
+    (
+        "tank",
+        "flow",
+        "Oil flow from the valve and the chambers into the tank",
+        CubicMetrePerSecond,
+        Hydraulic::TankFlow,
+        [true, false, true],
+    ),
     (
         "cylinder",
         "stroke_position",
-        "Position of the piston in the cylinder; 0: fully retracted",
+        "Position of the piston in the cylinder: 0 is the fully retracted position",
         Metre,
         Hydraulic::StrokePosition,
         [true, false, false],
@@ -138,7 +180,14 @@ const OUTPUTS: &[Row] = &[
         [true, true, true],
     ),
     ("power", "supply", "Hydraulic power that the supply delivers", Watt, Hydraulic::Power(0), [true, false, true]),
-    ("power", "return", "Hydraulic power of the flow into the tank", Watt, Hydraulic::Power(1), [true, false, true]),
+    (
+        "power",
+        "return",
+        "Hydraulic power of the oil flow into the tank",
+        Watt,
+        Hydraulic::Power(1),
+        [true, false, true],
+    ),
     (
         "power",
         "piston",
@@ -147,11 +196,18 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::Power(2),
         [true, true, false],
     ),
-    ("power", "seal_friction", "Power lost in the seal friction", Watt, Hydraulic::Power(3), [true, true, false]),
+    (
+        "power",
+        "seal_friction",
+        "Power lost in the friction of the piston seals",
+        Watt,
+        Hydraulic::Power(3),
+        [true, true, false],
+    ),
     (
         "power",
         "compression",
-        "Power stored in the compression of the oil of the circuit",
+        "Power that is stored in the compression of the oil in the circuit",
         Watt,
         Hydraulic::Power(4),
         [true, true, true],
@@ -172,7 +228,14 @@ const OUTPUTS: &[Row] = &[
         Hydraulic::Energy(0),
         [false; 3],
     ),
-    ("energy", "returned", "Energy into the tank since the start of the run", Joule, Hydraulic::Energy(1), [false; 3]),
+    (
+        "energy",
+        "returned",
+        "Energy of the oil that has flowed into the tank since the start of the run",
+        Joule,
+        Hydraulic::Energy(1),
+        [false; 3],
+    ),
     (
         "energy",
         "piston",
@@ -184,7 +247,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "seal_friction",
-        "Energy lost in seal friction since the start of the run",
+        "Energy lost in the friction of the piston seals since the start of the run",
         Joule,
         Hydraulic::Energy(3),
         [false; 3],
@@ -192,7 +255,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "compression",
-        "Energy stored in the compression of the oil of the circuit since the start of the run",
+        "Energy stored in the compression of the oil in the circuit since the start of the run",
         Joule,
         Hydraulic::Energy(4),
         [false; 3],
@@ -208,7 +271,7 @@ const OUTPUTS: &[Row] = &[
     (
         "energy",
         "balance",
-        "Supplied energy minus all other energies of the circuit: 0 except for rounding errors",
+        "Energy balance of the circuit: supplied energy minus all other energies, 0 except for rounding errors",
         Joule,
         Hydraulic::Balance,
         [false; 3],
@@ -266,10 +329,10 @@ fn add_outputs(b: &mut Builder) {
     let ports = [drive.first_input + 1, drive.first_input + 2];
     let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
     let stiffness = Needs { circuit: true, ..position };
-    let text = ["Stiffness of the oil in the cylinder of the drive ", name];
+    let text = ["Stiffness of the compressed oil in the cylinder of the drive ", name];
     b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
     let damping = Needs { speed: true, ..stiffness };
-    let text = ["Derivative of the seal friction force with respect to the speed of the drive ", name];
+    let text = ["Derivative of the friction force of the piston seals with respect to the speed of the drive ", name];
     b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), damping);
     for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);

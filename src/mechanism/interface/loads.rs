@@ -13,7 +13,7 @@ pub(super) fn add_inputs(b: &mut Builder) {
     let m = b.source.mechanism;
     if let Some(gravity) = &m.gravity {
         b.load_input(
-            &["Load factor: factor of the gravity acceleration gravity.acceleration"],
+            &["Load factor, by which the gravity acceleration gravity.acceleration is multiplied"],
             One,
             gravity.load_factor,
         );
@@ -36,7 +36,7 @@ pub(super) fn add_inputs(b: &mut Builder) {
 
 pub(super) fn add_airspeed(b: &mut Builder) {
     if let Some(air) = &b.source.mechanism.air {
-        let text = "Speed of the air relative to the ground, in the direction air.flow_angle";
+        let text = "Speed of the air relative to the ground, in the direction of the parameter air.flow_angle";
         b.input("airspeed".into(), &[text], MetrePerSecond, air.airspeed);
     }
 }
@@ -63,9 +63,9 @@ pub(super) fn add_springs(b: &mut Builder) {
             Some(Between::Bodies([first, second])) => &[
                 "Total torque of the spring ",
                 n,
-                ". A positive torque turns ",
+                ". A positive torque turns the body ",
                 second,
-                " clockwise, relative to ",
+                " clockwise, relative to the body ",
                 first,
             ][..],
             _ => &["Total ", force, " of the spring ", n, sense],

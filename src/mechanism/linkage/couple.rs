@@ -135,8 +135,8 @@ impl Linkage {
 
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
         let message = format!(
-            "{center} has no revolute joint on {}, the carrier of this coupling: add a revolute joint there, or set \
-             carrier to the body that has the joint",
+            "{center} has no revolute joint on {}, the carrier of this coupling: add a revolute joint at this point, \
+                or set carrier to the body that has the joint",
             self.bodies[carrier].name
         );
         named.refused(key, message)
@@ -270,7 +270,7 @@ impl Linkage {
         let Some((carrier, second, sign, center)) = hinged else {
             let bodies = ends.map(|(body, ..)| self.bodies[body.body].name.as_str()).join(" nor on ");
             let message = format!(
-                "{} has no revolute joint on {bodies}, the bodies of {}: add a revolute joint on one of them",
+                "{} has no revolute joint on {bodies}, the bodies of {}: add a revolute joint on one of these bodies",
                 defined.first, slide.name
             );
             return named.refused("first", message);

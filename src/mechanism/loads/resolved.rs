@@ -229,7 +229,7 @@ impl Loading {
                     let (carrier, shift) = linkage.carrier(mechanism, body).unwrap_or((GROUND, 0.0));
                     if linkage.bodies[carrier].angle_coordinate.is_none() {
                         let message = format!(
-                            "{body} does not turn, so it has no angle: name a body that turns, a joint, two \
+                            "{body} does not turn, so this body has no angle: name a body that turns, a joint, two \
                              points or two bodies"
                         );
                         return Err(DefinitionError::key(format_args!("stops.{name}.body"), message));

@@ -22,8 +22,8 @@ impl Model {
             // In no state is there one: a line at each read would say nothing new.
             let is_new = !std::mem::replace(&mut self.lacks_drift, true);
             return is_new.then(|| {
-                "model exchange does not record the work done since the start, so this output is NaN during the \
-                 whole run; this warning appears once"
+                "model exchange does not record the work done since the start, so the output is NaN during the whole \
+                    run; this warning appears once"
                     .into()
             });
         }

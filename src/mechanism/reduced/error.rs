@@ -89,7 +89,7 @@ impl fmt::Display for ReductionError {
             Self::Table { what, position } => write!(
                 f,
                 "{what} is not a smooth function of the position near {position}, because almost no mass moves there; \
-                 add a mass or an inertia to a body that moves there"
+                    add a mass or an inertia to a body that moves at this position"
             ),
             Self::Start { name, value, range: (low, high), turned } => {
                 let [value, low, high] = [*value, *low, *high].map(Decimal::rounded);

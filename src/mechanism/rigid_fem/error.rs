@@ -86,8 +86,9 @@ impl fmt::Display for RigidFemError {
             }
             Self::Equilibrium { h, correction, limit } => write!(
                 f,
-                "no equilibrium at the end of a step of {h:e} s: the iteration still moves a node by {correction:e} \
-                 m, but at most {limit:e} m are allowed; use a smaller step or check the values of the inputs"
+                "the elastic bodies have no equilibrium at the end of a step of {h:e} s: the iteration still moves a \
+                 node by {correction:e} m, but at most {limit:e} m are allowed; use a smaller step or check the values \
+                 of the inputs"
             ),
             Self::Strain { body, strain, limit, h } => write!(
                 f,

@@ -53,11 +53,11 @@ fn each_rule_is_checked() {
             "variability=\"continuous\"",
             "b: a variable of type Enumeration cannot have the variability continuous",
         ),
-        (" start=\"1\"", "", "p: has no start value"),
-        ("<Real derivative=\"2\"/>", "<Real derivative=\"2\" start=\"1\"/>", "y: has a start value"),
-        ("max=\"2\"", "max=\"-2\"", "p: max -2 is below min 0"),
-        ("start=\"1\"", "start=\"3\"", "p: the start value 3 is not between min and max"),
-        ("nominal=\"1\"", "nominal=\"0\"", "u: nominal is not above 0"),
+        (" start=\"1\"", "", "p: the variable has no start value"),
+        ("<Real derivative=\"2\"/>", "<Real derivative=\"2\" start=\"1\"/>", "y: the variable has a start value"),
+        ("max=\"2\"", "max=\"-2\"", "p: the attribute max = -2 is below the attribute min = 0"),
+        ("start=\"1\"", "start=\"3\"", "p: the start value 3 is not between the attributes min and max"),
+        ("nominal=\"1\"", "nominal=\"0\"", "u: the nominal value is not above 0"),
         ("unit=\"rad\"", "unit=\"m\"", "u: the unit m has no definition"),
         ("displayUnit=\"deg\"", "displayUnit=\"grad\"", "u: the unit rad has no display unit grad"),
         ("declaredType=\"t\"", "declaredType=\"s\"", "b: the type s has no definition"),
@@ -83,7 +83,7 @@ fn each_rule_is_checked() {
         (
             "start=\"0\"/></Sc",
             "start=\"0\" reinit=\"true\"/></Sc",
-            "u: has the attribute reinit, but is not a continuous state",
+            "u: the variable has the attribute reinit, but is not a continuous state",
         ),
     ] {
         assert!(SECOND.contains(old), "{old}");
@@ -115,7 +115,7 @@ fn rules_hold_for_both_versions() {
         ("instantiationToken=\"{1}\"", "instantiationToken=\"\"", "instantiationToken is empty"),
         ("valueReference=\"0\"", "valueReference=\"1\"", "u, y have the same value reference 1"),
         ("<Output valueReference=\"1\"", "<Output valueReference=\"0\"", "y is missing"),
-        (" start=\"0\"", "", "u: has no start value"),
+        (" start=\"0\"", "", "u: the variable has no start value"),
     ] {
         let found = broken(&THIRD.replacen(old, new, 1));
         assert!(found.iter().any(|line| line.contains(said)), "{said}: {found:?}");

@@ -109,13 +109,13 @@ impl<'a> Builder<'a> {
             None => self.own.notes.push("no joint is an input, so the mechanism has no drive".to_owned()),
             Some(joint) if joint.axis.is_some() || joint.first != 0 => self.own.start_speed = None,
             Some(_) if self.own.start_speed.is_some() && self.own.is_massless() => self.own.notes.push(
-                "no link has a mass: the imported mechanism has positions, speeds and accelerations only, and its \
-                 input turns at the constant speed that PMKS+ stores"
+                "no link has a mass: the imported mechanism has positions, speeds and accelerations only, and the \
+                    input turns at the constant speed that PMKS+ stores"
                     .to_owned(),
             ),
             Some(_) if self.own.start_speed.is_some() => self.own.notes.push(
-                "PMKS+ stores the speed of the input: the imported mechanism starts with this speed and its drive \
-                 has no torque; add \"motion\" to the drive to prescribe the speed"
+                "PMKS+ stores the speed of the input: the imported mechanism starts with this speed and the drive has \
+                    no torque; add \"motion\" to the drive to prescribe the speed"
                     .to_owned(),
             ),
             Some(_) => {}

@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(link) => link.to_owned(),
         None => {
             let text = String::from_utf8(files::read(path, LARGEST)?).ok();
-            text.with_context(|| format!("{shown}: is not UTF-8 text; save the file as UTF-8"))?
+            text.with_context(|| format!("{shown}: the file is not UTF-8 text; save the file as UTF-8"))?
         }
     };
     let form = match arguments.form {
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let included = |file: &str| -> Result<String> {
         String::from_utf8(files::read(&folder.join(file), LARGEST)?)
             .ok()
-            .with_context(|| format!("{file}: is not UTF-8 text; save the file as UTF-8"))
+            .with_context(|| format!("{file}: the file is not UTF-8 text; save the file as UTF-8"))
     };
     let imported = import_with(form, &stem, &text, &included).with_context(|| format!("{shown}"))?;
     for note in &imported.notes {

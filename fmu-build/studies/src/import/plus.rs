@@ -241,10 +241,10 @@ fn force(own: &mut Linkage, record: &str, (pins, bars): (&[Pin], &[Bar]), units:
     };
     let (from, to) = (point(ax, ay)?, point(bx, by)?);
     let size = units.force.of(number(size, "size")?);
-    ensure!(size.is_finite(), "the unit of forces must be N or lbf: choose one of these in PMKS+");
+    ensure!(size.is_finite(), "the unit of forces must be N or lbf: choose N or lbf in PMKS+");
     let along = [to[0] - from[0], to[1] - from[1]];
     let length = along[0].hypot(along[1]);
-    ensure!(length > 0.0, "the force has no direction: move one of its points in PMKS+");
+    ensure!(length > 0.0, "the force has no direction: move one of the two points of the force in PMKS+");
     let taken: Vec<String> = own.names().chain(pins.iter().map(|pin| pin.name.clone())).collect();
     let name = identifier(name, "force", &taken.iter().map(String::as_str).collect::<Vec<_>>());
     let at = own.reference(at + 1, from);

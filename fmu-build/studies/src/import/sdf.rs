@@ -21,7 +21,7 @@ const DEEPEST: usize = 100;
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
     ("sdf/world", "", Read, "the world around the model"),
-    ("world/gravity", "", Read, "gravity, in the plane of motion"),
+    ("world/gravity", "", Read, "gravity of the model, in the plane of motion"),
     ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
     ("sdf/model world/model", "name", Read, "name of the mechanism"),
     ("sdf/model world/model", "canonical_link", Read, "name of the ground link, if no joint connects a link with the \
@@ -50,8 +50,8 @@ pub const TABLE: &[Row] = &[
     ("link/collision", "", LeftOut, "bodies can pass through each other"),
     ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves as its joints allow"),
     ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink \
-        link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "used only for drawing, \
-        sensors, contacts or numerical damping"),
+        link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "the entry is used only \
+        for drawing, sensors, contacts or numerical damping"),
     ("model/joint", "", Read, "a revolute or prismatic joint, also in a closed loop of links; other types are \
         rejected"),
     ("model/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
@@ -81,11 +81,11 @@ pub const TABLE: &[Row] = &[
     ("model/model model/include world/include", "", Rejected(""), "`import` does not read nested and included models: \
         write the links and joints into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
-    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "used only for \
-        contacts or by the numerical method"),
+    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "the entry is used \
+        only for contacts or by the numerical method"),
     ("world/physics world/light world/scene world/gui world/atmosphere world/wind world/magnetic_field world/audio \
         world/spherical_coordinates world/road world/population world/state world/frame world/joint \
-        sdf/light", "", NoEffect, "used only for drawing or by the numerical method"),
+        sdf/light", "", NoEffect, "the entry is used only for drawing or by the numerical method"),
 ];
 
 struct Model<'a> {
@@ -257,8 +257,9 @@ impl Model<'_> {
         };
         let name = node.get("name").unwrap_or_default();
         let frame = self.pose_of(name, 0)?;
-        let axis =
-            node.child("axis").with_context(|| format!("{}: the element <axis> is missing: add it", node.at()))?;
+        let axis = node
+            .child("axis")
+            .with_context(|| format!("{}: the element <axis> is missing: add this element", node.at()))?;
         let direction = axis.inner("xyz")?.unwrap_or([0.0, 0.0, 1.0]);
         let direction = unit(direction).with_context(|| {
             format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())

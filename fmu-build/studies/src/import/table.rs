@@ -160,8 +160,9 @@ pub fn linkage(name: &str, table: &Table) -> Result<Linkage> {
 
 /// The joints of a row.
 fn add_joints(own: &mut Linkage, row: &Row, of: usize, bodies: &[usize]) -> Result<()> {
-    let (&first, others) =
-        bodies.split_first().with_context(|| format!("joint {of} names no links: name the links that it connects"))?;
+    let (&first, others) = bodies
+        .split_first()
+        .with_context(|| format!("joint {of} names no links: name the links that the joint connects"))?;
     if others.is_empty() {
         let taken: Vec<&str> = own.bodies.iter().map(|body| body.name.as_str()).collect();
         let name = identifier(&format!("point_{of}"), "point", &taken);

@@ -27,7 +27,7 @@ pub const TABLE: &[Row] = &[
     ("inertial/mass", "value", Read, "mass of the body"),
     ("inertial/inertia", "", Read, "moments of inertia"),
     ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "moments of inertia"),
-    ("link/visual robot/material", "", NoEffect, "used only for drawing"),
+    ("link/visual robot/material", "", NoEffect, "the entry is used only for drawing"),
     ("link/collision", "", LeftOut, "links of the definition can pass through each other"),
     ("robot/joint", "", Read, "a revolute or prismatic joint; other types are rejected"),
     ("robot/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),

@@ -127,7 +127,7 @@ impl Element {
         let all = all.with_context(|| format!("{} contains text that is not a number", stated()))?;
         let is_size = SIZES.contains(&name) || self.tag == "mass";
         if is_size && all.iter().any(|value| *value < 0.0) {
-            bail!("{}: must not be negative", stated());
+            bail!("{}: the value must not be negative", stated());
         }
         Ok(all)
     }
@@ -155,7 +155,8 @@ impl Element {
     pub fn ascending(&self, name: &str, [lower, upper]: [f64; 2]) -> Result<[f64; 2]> {
         if lower > upper {
             bail!(
-                "{}: {name}: the lower limit {lower:?} is larger than the upper limit {upper:?}; exchange them",
+                "{}: {name}: the lower limit {lower:?} is larger than the upper limit {upper:?}; exchange the two \
+                    limits",
                 self.at()
             );
         }

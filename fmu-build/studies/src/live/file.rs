@@ -131,7 +131,7 @@ fn stamp(path: &Path) -> Option<(Option<SystemTime>, u64)> {
 /// Text of a file, and content of the file of shared parameters that it names.
 fn read(path: &Path) -> (Text, Option<Vec<u8>>) {
     let bytes = files::read(path, LARGEST_DEFINITION).map_err(|error| format!("{error:#}"));
-    let not_text = |_| format!("{}: is not UTF-8 text; save the file as UTF-8", path.display());
+    let not_text = |_| format!("{}: the file is not UTF-8 text; save the file as UTF-8", path.display());
     let text = bytes.and_then(|bytes| String::from_utf8(bytes).map_err(not_text));
     let named = text.as_ref().ok().and_then(|text| shared::file(path, text));
     let shared = named.and_then(|path| files::read(&path, LARGEST_DEFINITION).ok());

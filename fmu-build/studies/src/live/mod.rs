@@ -90,8 +90,14 @@ impl Live {
             ("GET", "file") => Ok(self.news(&request.query)),
             ("POST", "run") => request.json().and_then(|asked| Ok(Answer::json(&*self.engine.run(&asked)?))),
             ("POST", "save") => request.json().and_then(|saving| self.save(&saving)),
-            (_, "" | "file" | "run" | "save") => return Answer::refused(405, "this method is not allowed here"),
-            _ => return Answer::refused(404, "there is nothing here"),
+            (_, "" | "file" | "run" | "save") => {
+                return Answer::refused(
+                    405,
+                    "this HTTP method is not allowed at this \
+                address",
+                );
+            }
+            _ => return Answer::refused(404, "there is no page at this address"),
         };
         answered.unwrap_or_else(|error| Answer::refused(400, &format!("{error:#}")))
     }

@@ -83,16 +83,16 @@ impl Site {
     fn admitted(&self, head: &httparse::Request) -> Result<(String, String), Answer> {
         let host = only(head, "host").unwrap_or_default();
         if !self.hosts.contains(&host) {
-            return Err(Answer::refused(403, "the page has another host"));
+            return Err(Answer::refused(403, "the request names another host than the page"));
         }
         let is_own = |origin: String| origin.strip_prefix("http://") == Some(&host);
         let origin = only(head, "origin");
         let is_read = head.method == Some("GET");
         if !origin.map_or(is_read && !has(head, "origin"), is_own) {
-            return Err(Answer::refused(403, "only the page itself may ask this"));
+            return Err(Answer::refused(403, "only the page of --live may send this request"));
         }
         if !only(head, "sec-fetch-site").is_none_or(|site| site == "same-origin" || site == "none") {
-            return Err(Answer::refused(403, "only the page itself may ask this"));
+            return Err(Answer::refused(403, "only the page of --live may send this request"));
         }
         let target = head.path.unwrap_or_default();
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
@@ -105,7 +105,7 @@ impl Site {
         }
         match own.split_once('/').filter(|(token, _)| is_same(token, &self.token)) {
             Some((_, path)) => Ok((path.to_owned(), query.to_owned())),
-            None => Err(Answer::refused(404, "there is nothing here")),
+            None => Err(Answer::refused(404, "there is no page at this address")),
         }
     }
 }
@@ -236,12 +236,22 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
                 let left = expected.saturating_sub(body.len() as u64);
                 stream.take(left).read_to_end(&mut body).map_err(lost)?;
                 if body.len() as u64 != expected {
-                    return Err(Answer::refused(400, "the body has another length"));
+                    return Err(Answer::refused(
+                        400,
+                        "the body of the request has another length than the request \
+                        states",
+                    ));
                 }
                 return Ok(Request { method, path, query, body });
             }
             Ok(httparse::Status::Partial) if count > 0 && bytes.len() < LARGEST_HEAD => {}
-            Ok(httparse::Status::Partial) => return Err(Answer::refused(431, "the head is too long or not complete")),
+            Ok(httparse::Status::Partial) => {
+                return Err(Answer::refused(
+                    431,
+                    "the head of the request is too long or \
+                not complete",
+                ));
+            }
             Err(_) => return Err(Answer::refused(400, "this is not a request of HTTP 1.1")),
         }
     }
@@ -250,7 +260,7 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
 /// Length of the body. A page of another site cannot send JSON without a preflight request, which is not answered.
 fn length_of_body(head: &httparse::Request) -> Result<u64, Answer> {
     if has(head, "transfer-encoding") {
-        return Err(Answer::refused(411, "the body must state its length"));
+        return Err(Answer::refused(411, "the request must state the length of its body"));
     }
     if !has(head, "content-length") {
         return Ok(0);
@@ -258,10 +268,10 @@ fn length_of_body(head: &httparse::Request) -> Result<u64, Answer> {
     let stated = only(head, "content-length").filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()));
     let length = stated.and_then(|length| length.parse().ok()).ok_or_else(|| Answer::refused(400, "no length"))?;
     if length > LARGEST_BODY {
-        return Err(Answer::refused(413, "the body is too large"));
+        return Err(Answer::refused(413, "the body of the request is too large"));
     }
     if length > 0 && only(head, "content-type").is_none_or(|kind| kind != "application/json") {
-        return Err(Answer::refused(415, "the body must be JSON"));
+        return Err(Answer::refused(415, "the body of the request must be JSON"));
     }
     Ok(length)
 }

@@ -173,7 +173,10 @@ fn next_remark<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u64, Remark<'a>)>> {
         return Ok(None);
     }
     let mut take = |count: usize| {
-        let (own, rest) = bytes.split_at_checked(count).context("a part of the journal is incomplete")?;
+        let (own, rest) = bytes.split_at_checked(count).context(
+            "a part of the journal (file runs.journal) is \
+            incomplete",
+        )?;
         *bytes = rest;
         Ok::<_, anyhow::Error>(own)
     };

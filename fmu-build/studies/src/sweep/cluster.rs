@@ -72,7 +72,7 @@ pub fn packed(workspace: &Workspace, mechanism: &Path, model: &Component, folder
         return Ok(mechanism.to_path_buf());
     }
     eprintln!(
-        "{}: is not an FMU for FMI 2.0 from this version of the program; a new FMU is packed for the workers",
+        "{}: the file is not an FMU for FMI 2.0 from this version of the program; a new FMU is packed for the workers",
         mechanism.display()
     );
     let definition = given.definition()?;
@@ -164,7 +164,7 @@ pub fn run(
     let _ = fs::remove_file(&plan_file);
     result?;
     if left == 0 && !status.success() {
-        eprintln!("warning: all parts are complete, but {PROGRAM} ended with {status}");
+        eprintln!("warning: all parts of the study are complete, but {PROGRAM} ended with {status}");
     }
     Ok(())
 }

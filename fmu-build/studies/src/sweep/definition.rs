@@ -17,7 +17,7 @@ keys! {
     pub struct Definition {
         /// Path of the JSON schema, for a text editor. The program does not use the key `$schema`.
         schema as "$schema": Option<String>;
-        /// Description of the study, one line. The program ignores this key.
+        /// Description of the study, one line. The program ignores the key `description`.
         description: Option<String>;
         /// Path of the mechanism, relative to the folder of the study.
         mechanism: String => Key::PLAIN.required();
@@ -41,12 +41,12 @@ keys! {
         objective: Option<Objective>;
         /// Limits of responses in an optimisation, by the name of the column of the results.
         constraints: Named<Limits>;
-        /// Largest number of runs and seed of the search of an optimisation.
+        /// Largest number of runs of an optimisation, and seed of its random numbers.
         search: Option<Search>;
     }
 
-    /// Aim of an optimisation: exactly one of the keys `minimise` and `maximise`. The value of the key is the name of a
-    /// column of the responses.
+    /// Aim of an optimisation: exactly one of the keys `minimise` and `maximise`. The value of `minimise` or `maximise`
+    /// is the name of a column of the responses.
     pub struct Objective {
         /// Column of the responses whose value the optimisation minimises.
         minimise: Option<String>;
@@ -62,11 +62,12 @@ keys! {
         at_most: Option<f64>;
     }
 
-    /// Largest number of runs and seed of the search of an optimisation.
+    /// Largest number of runs of an optimisation, and seed of its random numbers.
     pub struct Search: Copy {
-        /// Largest number of runs of the search.
+        /// Largest number of runs of the optimisation.
         evaluations: u64 => Key::PLAIN.required();
-        /// Start value of the random number generator (seed). A different seed results in a different search.
+        /// Start value of the random number generator (seed). A different seed results in a different search for the
+        /// best design.
         seed: u64;
     }
 
@@ -74,13 +75,14 @@ keys! {
     pub struct Factor {
         /// List of all values of the factor.
         values: Option<Vec<Setting>>;
-        /// First and last value of the factor. The key `steps` states the number of equally spaced values.
+        /// First and last value of an equally spaced series of values of the factor. The key `steps` states the number
+        /// of equally spaced values.
         range: Option<[f64; 2]>;
-        /// Number of equally spaced values from the first to the last value in the key `range`.
+        /// Number of equally spaced values of the factor, from the first to the last value in the key `range`.
         steps: Option<u64>;
-        /// Smallest and largest value of a uniform distribution.
+        /// Uniform distribution of the factor: smallest and largest value.
         uniform: Option<[f64; 2]>;
-        /// Mean and standard deviation of a normal distribution.
+        /// Normal distribution of the factor: mean and standard deviation.
         normal: Option<Normal>;
         /// Smallest and largest value of the factor that an optimisation may choose.
         bounds: Option<[f64; 2]>;
@@ -108,10 +110,10 @@ keys! {
     pub struct Scenario {
         /// Time at which each run ends [s]. Default: stop time of the default experiment of the mechanism.
         stop_time: Option<f64>;
-        /// Name of the Boolean output of a stop (its key `flag`). A run ends when this output becomes true, and at the
-        /// latest at the stop time.
+        /// Name of the Boolean output of a stop (its key `flag`). A run ends when the output that `stop_at` names
+        /// becomes true, and at the latest at the stop time.
         stop_at: Option<String>;
-        /// Time between two communication points [s]. Default: each run is one communication step.
+        /// Time between two communication points [s]. Default: each run has only one communication step.
         output_interval: Option<f64>;
         /// Inputs over time, by the name of the input.
         inputs: Named<Input>;
@@ -121,8 +123,8 @@ keys! {
 
     /// A response: exactly one key with the name of a variable. The key `times` belongs to the key `course`.
     pub struct Response {
-        /// Name of the Boolean output of a stop (its key `flag`). The recorded value is the time of the first impact on
-        /// this stop [s].
+        /// Name of the Boolean output of a stop (key `flag` of the stop). The response is the time of the first impact
+        /// on the stop [s].
         event: Option<String>;
         /// Value of the variable at the end of the run.
         last as "final": Option<String>;
@@ -235,7 +237,7 @@ impl Definition {
         if study.responses.is_empty() {
             return Err(DefinitionError::key(
                 "responses",
-                "is empty; add at least one result that is recorded for each run",
+                "the object is empty; add at least one result that is recorded for each run",
             ));
         }
         Ok(study)

@@ -105,7 +105,10 @@ impl Design {
             let key = format!("factors.{name}");
             let factor = factor(&key, name, stated, model, &mut dimensions)?;
             if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
-                bail!("{key}: is also a column of the CSV file in the key points; remove the column or this factor");
+                bail!(
+                    "{key}: this factor is also a column of the CSV file in the key points; remove the column or \
+                    this factor"
+                );
             }
             if let Source::List(values) = &factor.source {
                 counts[1] = times(counts[1], values.len() as u64)?;
@@ -116,7 +119,9 @@ impl Design {
         }
         let cube = match (study.sampling, dimensions) {
             (Some(_), 0) => bail!("sampling: no factor has a distribution; add a distribution, or remove sampling"),
-            (None, 1..) => bail!("sampling: is missing; add the sampling method of the factors with a distribution"),
+            (None, 1..) => {
+                bail!("sampling: this key is missing; add the sampling method of the factors with a distribution")
+            }
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
             (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
                 "sampling.method: {dimensions} factors have a distribution, but this method supports at most {}",
@@ -221,8 +226,7 @@ fn factor(
     let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
     if bounds.is_some() {
         bail!(
-            "{key}.bounds: this key belongs to `optimise`; for a sweep, write values, range, uniform or normal \
-             instead"
+            "{key}.bounds: this key belongs to `optimise`; for a sweep, write values, range, uniform or normal instead"
         );
     }
     if steps.is_some() && range.is_none() {
@@ -231,7 +235,7 @@ fn factor(
     factor.source = match (values, range, uniform, normal) {
         (Some(values), None, None, None) => {
             if values.is_empty() {
-                bail!("{key}.values: is empty; add at least one value");
+                bail!("{key}.values: the list is empty; add at least one value");
             }
             let mut list = Vec::new();
             for (index, value) in values.iter().enumerate() {
@@ -245,7 +249,7 @@ fn factor(
             match steps {
                 Some(count) if *count >= 1 => Source::Range(first, last, *count),
                 Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
-                None => bail!("{key}.steps: is missing; add the number of values of the range"),
+                None => bail!("{key}.steps: this key is missing; add the number of values of the range"),
             }
         }
         (None, None, Some(uniform), None) => {

@@ -38,8 +38,8 @@ impl Journal {
         let stands = path.exists();
         if stands && !resumes {
             bail!(
-                "{shown}: contains results of a study that was stopped; to continue the study, use --resume; to start \
-                 the study again, remove this file"
+                "{shown}: the file contains results of a study that was stopped; to continue the study, use --resume; \
+                 to start the study again, remove this file"
             );
         }
         let mut file = OpenOptions::new()
@@ -48,7 +48,7 @@ impl Journal {
             .create(true)
             .truncate(false)
             .open(path)
-            .with_context(|| format!("{shown}: cannot be opened"))?;
+            .with_context(|| format!("{shown}: the file cannot be opened"))?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             bail!(
                 "{shown}: another process of the program is writing this file; wait until the other process ends, or \
@@ -71,7 +71,7 @@ impl Journal {
                     file was written; give another folder with --out"
             );
         };
-        file.set_len(end).with_context(|| format!("{shown}: cannot be written"))?;
+        file.set_len(end).with_context(|| format!("{shown}: the file cannot be written"))?;
         Ok(Self { file, path: path.to_path_buf(), done, end })
     }
 
@@ -102,7 +102,7 @@ impl Journal {
         let placed = self.file.seek(SeekFrom::Start(self.end));
         placed
             .and_then(|_| self.file.write_all(&record))
-            .with_context(|| format!("{}: cannot be written; {remedy}", self.path.display()))?;
+            .with_context(|| format!("{}: the file cannot be written; {remedy}", self.path.display()))?;
         self.done.insert(chunk, (self.end + RECORD, bytes.len() as u64));
         self.end += record.len() as u64;
         Ok(())

@@ -277,7 +277,10 @@ impl Stated {
 fn task(definition: &Definition, folder: &Path, component: &Component, factors: &[Factor]) -> Result<Task> {
     let scenario = Scenario::new(definition, folder, component, factors, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
-        bail!("factors.{}: is also set by start_values or the scenario; remove one of these settings", factor.name);
+        bail!(
+            "factors.{}: this factor is also set by start_values or the scenario; remove one of the two settings",
+            factor.name
+        );
     }
     let responses = Responses::new(definition, &scenario, component)?;
     let calls = design::calls(component, factors);

@@ -72,7 +72,7 @@ impl Points {
             lines += 1;
         }
         if lines == 0 {
-            bail!("{shown}: contains no line of values");
+            bail!("{shown}: the file contains no line of values");
         }
         let (factors, blocks) = (Arc::new(factors), Arc::new(blocks));
         Ok(Self { path: path.to_path_buf(), factors, blocks, lines, reader: None, block: None, values: Vec::new() })

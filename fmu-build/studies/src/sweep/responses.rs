@@ -80,8 +80,8 @@ pub fn instants(study: &Definition) -> Result<Vec<f64>> {
     for (name, response) in study.responses.iter() {
         if response.times.as_ref().is_some_and(Vec::is_empty) {
             bail!(
-                "responses.{name}.times: is empty, so the time series has no column; add an instant or remove the \
-                 response"
+                "responses.{name}.times: the list is empty, so the time series has no column; add an instant or remove \
+                 the response"
             );
         }
         for (index, time) in response.times.iter().flatten().enumerate() {

@@ -82,8 +82,10 @@ fn limits_of_urdf() {
 #[test]
 fn reversed_ranges_are_rejected() {
     let ranged = |range: &str| replaced(MJCF, r#"name="guide""#, &format!(r#"name="guide" {range}"#));
-    let said =
-        ["line 14: <joint \"guide\">: range: the lower limit 0.3 is larger than the upper limit -0.1; exchange them"];
+    let said = [
+        "line 14: <joint \"guide\">: range: the lower limit 0.3 is larger than the upper limit -0.1; exchange the two \
+            limits",
+    ];
     assert_says(&refusal(Form::Mjcf, &ranged(r#"range="0.3 -0.1""#)), &said);
     let stops = |text: &str| -> usize {
         let definition: Value =

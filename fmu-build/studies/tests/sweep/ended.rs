@@ -127,7 +127,7 @@ fn a_full_disk_loses_nothing() {
     assert!(start(&study, &whole, &["--csv"]).wait().unwrap().success());
     // Blocks of 512 or 1024 bytes, depending on the shell. The journal has 1.4 MB, the table 2.2 MB, its CSV file 4 MB.
     for (blocks, options, said) in [
-        (900, &["--csv"][..], "runs.journal: cannot be written; free disk space; then continue with --resume"),
+        (900, &["--csv"][..], "runs.journal: the file cannot be written; free disk space; then continue with --resume"),
         (3300, &["--csv", "--resume"][..], "all runs are complete; --resume writes the results"),
     ] {
         let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");

@@ -30,14 +30,17 @@ fn wrong_studies_are_rejected_in_one_line() {
             "crank.angle is an output; a factor must be a parameter or an input; similar parameters and inputs are",
         ),
         (with("factors", json!({ "crank.mass": {} })), "give exactly one of values, range, uniform and normal"),
-        (with("factors", json!({ "crank.mass": { "range": [1, 2] } })), "factors.crank.mass.steps: is missing"),
-        (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: is empty"),
+        (
+            with("factors", json!({ "crank.mass": { "range": [1, 2] } })),
+            "factors.crank.mass.steps: this key is missing",
+        ),
+        (with("factors", json!({ "crank.mass": { "values": [] } })), "factors.crank.mass.values: the list is empty"),
         (
             with("factors", json!({ "crank.mass": { "values": [true] } })),
             "values[0]: crank.mass must be a number, not true",
         ),
         (with("factors", json!({ "crank.mass": { "values": ["3 m"] } })), "values[0]: the unit of crank.mass is kg"),
-        (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: is missing"),
+        (with("factors", json!({ "crank.mass": { "uniform": [1, 2] } })), "sampling: this key is missing"),
         (
             with("factors", json!({ "crank.mass": { "normal": { "mean": 1, "standard_deviation": 0 } } })),
             "standard_deviation = 0: must be",
@@ -91,7 +94,7 @@ fn wrong_studies_are_rejected_in_one_line() {
         (with("scenario", json!({ "stop_at": "up" })), "the flag variables of this mechanism are retracted, extended"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
         (response(json!({ "course": "crank.angle" })), "give the keys course and times together"),
-        (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: is empty"),
+        (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: the list is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),
             "responses.r.times[2] = 0.1 s occurs twice",
@@ -126,5 +129,5 @@ fn wrong_studies_are_rejected_in_one_line() {
     let twice = json!({
         "factors": { "crank.mass": { "values": [1] } }, "start_values": { "crank.mass": 2 }, "responses": final_angle
     });
-    assert!(refusal(&folder, twice).contains("factors.crank.mass: is also set by start_values"));
+    assert!(refusal(&folder, twice).contains("factors.crank.mass: this factor is also set by start_values"));
 }

@@ -159,7 +159,8 @@ class Mechanism:
             start_values: start values of inputs and parameters, by name. A start value is a number in SI units, a text
                 with a unit such as "45 deg", a truth value, or an enumeration item.
             input: inputs over time: a structured array with the field `time`, a dict of columns, or a data frame with
-                the column or the index `time`. If two rows of `input` have the same time, the inputs jump at this time.
+                the column or the index `time`. If two rows of `input` have the same time, the inputs jump at
+                the common time of the rows.
             output: names of the variables to record. By default, `simulate` records all outputs.
             set_input_derivatives: if True, the simulation also sets the time derivatives of the inputs in `input`.
 
@@ -171,7 +172,7 @@ class Mechanism:
             InputError: a name, value, unit or array shape in the arguments is wrong, or the result needs more than 2 GB
                 of memory.
             SimulationError: the simulation stops before the stop time. The attribute `result` of the exception contains
-                the rows of the result up to this time.
+                the rows of the result before the stop.
         """
         columns = self._recorded(output)
         given = None

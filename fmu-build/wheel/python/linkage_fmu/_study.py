@@ -68,7 +68,7 @@ def _stated(study: Study, mechanism: Mechanism | None, folder: Path) -> Path:
         try:
             stated = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
-            raise InputError(f"study = {str(path)!r}: cannot be read: {error}") from None
+            raise InputError(f"study = {str(path)!r}: the file cannot be read: {error}") from None
         if not isinstance(stated, dict):
             raise InputError(f"study = {str(path)!r}: the file must contain an object {{ }}")
     if mechanism is not None:
@@ -163,7 +163,7 @@ def sweep(
         mechanism: mechanism that `sweep` simulates instead of the mechanism in the key `mechanism` of the study.
         out: folder into which `sweep` writes the results (files runs.parquet and runs.csv).
         threads: number of threads of `sweep`. By default, one thread runs on each processor core.
-        progress: If `progress` is True, `sweep` shows a progress bar. If `progress` is a function, `sweep` calls this
+        progress: If `progress` is True, `sweep` shows a progress bar. If `progress` is a function, `sweep` calls the
             function with two numbers: finished runs and all runs.
 
     Raises:
@@ -188,7 +188,7 @@ class Optimum:
     responses: dict[str, float]
     #: Responses of the original mechanism.
     present: dict[str, float]
-    #: Largest excess of a response of the best design over the limit of this response, divided by the limit. If the
+    #: Largest excess of a response of the best design over the limit of the response, divided by the limit. If the
     #: best design satisfies all limits, `violation` is 0.
     violation: float
     #: Reason for the end of the search.

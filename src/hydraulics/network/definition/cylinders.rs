@@ -18,28 +18,28 @@ keys! {
         /// Smallest oil volume of the chamber, including the oil in the lines [m3], > 0. The volume of chamber A is
         /// smallest when the cylinder is fully retracted, and the volume of chamber B when the cylinder is fully
         /// extended.
-        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of @, \
-            including the oil in the lines");
-        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
-        /// pressure) must be above 0.
-        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
-            the ambient pressure");
+        dead_volume: f64 = 6e-5 => number(CubicMetre, Positive).parameter(Circuit, "Smallest oil volume of the chamber \
+            @, including the oil in the lines");
+        /// Pressure at the start of the run [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
+        start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in the chamber @ at the start, \
+            relative to the ambient pressure");
         /// Volume of the hose that is connected to the chamber [m3], >= 0. The hose volume is a part of the oil volume
         /// in the key `dead_volume`. The default 0 means: no hose.
-        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of @, part of the \
-            dead volume; 0: no hose");
+        hose_volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the hose of the chamber @, \
+            part of the dead volume; the value 0 means no hose");
         /// Flow out of the chamber through its restrictor at the rated pressure drop [m3/s], >= 0. The value 0 means:
         /// no restrictor.
-        restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
-            restrictor at the rated pressure drop; 0: no restrictor");
+        restrictor_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of the chamber @ \
+            through the restrictor at the rated pressure drop; the value 0 means no restrictor");
         /// Length of the last part of the travel in which the cushion throttles the flow out of the chamber [m], >= 0.
         /// The value 0 means: no cushion.
         cushion_length: f64 => number(Metre, NonNegative).parameter(Circuit, "Length of the last part of the travel in \
-            which the cushion throttles the flow out of @; 0: no cushion");
+            which the cushion throttles the flow out of the chamber @; the value 0 means no cushion");
         /// Flow out of the chamber through the cushion at the end of the travel, at the rated pressure drop [m3/s], >=
         /// 0. The value 0 means: no cushion.
-        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of @ through the \
-            cushion at the end of the travel, at the rated pressure drop; 0: no cushion");
+        cushion_flow: f64 => number(CubicMetrePerSecond, NonNegative).parameter(Circuit, "Flow out of the chamber @ \
+            through the cushion at the end of the travel, at the rated pressure drop; the value 0 means no cushion");
     }
 
     /// A differential cylinder has two ports: the chamber `<name>.a` on the piston side, and the chamber `<name>.b` on
@@ -83,7 +83,7 @@ keys! {
         /// Bulk modulus E_cyl of the cylinder walls: pressure divided by the relative growth of the cylinder volume
         /// [Pa], >= 0. With the value 0, the cylinder walls are rigid.
         wall_modulus: f64 => number(Pascal, NonNegative).parameter(Circuit, "Bulk modulus of the cylinder walls of @; \
-            0: rigid walls");
+            the value 0 means rigid walls");
         /// Modulus E_hose of the hoses: pressure divided by the relative growth of the hose volume [Pa], > 0.
         hose_modulus: f64 = 5e8 => number(Pascal, Positive).parameter(Circuit, "Modulus of the hoses of @: pressure \
             divided by the relative growth of the hose volume");
@@ -91,9 +91,9 @@ keys! {
         /// volume of the chamber, which changes with the cylinder length. `constant`: the constant volume in the key
         /// `dead_volume`.
         oil_volume: OilVolume;
-        /// Chamber A, on the piston side.
+        /// Chamber A of the cylinder, on the piston side.
         chamber_a: Chamber;
-        /// Chamber B, on the rod side.
+        /// Chamber B of the cylinder, on the rod side.
         chamber_b: Chamber;
         /// Laminar leakage of the chambers. Without the key `leakage`, the cylinder has no leakage.
         leakage: Option<Leakage>;

@@ -75,8 +75,8 @@ keys! {
         name: String => element().required();
         /// Description of the model, one line of text.
         description: String;
-        /// Author, copyright and licence of the model. The program writes these texts into the model description of the
-        /// FMU.
+        /// Author, copyright and licence of the model. The program writes the texts of `about` into the model
+        /// description of the FMU.
         about: About => Key::PLAIN.brief();
         /// Oil with entrained air.
         fluid: Fluid;
@@ -173,12 +173,15 @@ impl HydraulicSystem {
         for (index, key) in Self::TABLE.keys.iter().enumerate().filter(|(_, key)| counts(key.name)) {
             match self.slot(index) {
                 Slot::Object(section) => {
-                    Owner { group: None, name: key.name, is_rotary: false }.parameters(section, refine, visit);
+                    Owner { group: None, kind: "", name: key.name, is_rotary: false }
+                        .parameters(section, refine, visit);
                 }
                 Slot::Group(group) => {
                     let mut at = 0;
                     while let Some((name, Slot::Object(element))) = group.entry(at) {
-                        Owner { group: Some(key.name), name, is_rotary: false }.parameters(element, refine, visit);
+                        let kind = kind_of(key.name);
+                        Owner { group: Some(key.name), kind, name, is_rotary: false }
+                            .parameters(element, refine, visit);
                         at += 1;
                     }
                 }
@@ -258,6 +261,28 @@ impl HydraulicSystem {
                 }
             }
         }
+    }
+}
+
+/// What an element of a group is, with article and blank, for descriptions.
+pub fn kind_of(group: &str) -> &'static str {
+    match group {
+        "reservoirs" => "the reservoir ",
+        "nodes" => "the node ",
+        "pumps" => "the pump ",
+        "accumulators" => "the accumulator ",
+        "resistances" => "the resistance ",
+        "checks" => "the check valve ",
+        "reliefs" => "the relief valve ",
+        "priorities" => "the priority valve ",
+        "sequences" => "the sequence valve ",
+        "pilot_checks" => "the pilot-operated check valve ",
+        "counterbalances" => "the counterbalance valve ",
+        "position_valves" => "the position valve ",
+        "bypasses" => "the by-pass ",
+        "cylinders" => "the cylinder ",
+        "pressure_locks" => "the lock ",
+        _ => "the valve ",
     }
 }
 

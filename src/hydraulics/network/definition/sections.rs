@@ -14,8 +14,8 @@ use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecon
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.
     pub struct Reservoir: Copy {
-        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The sum of this
-        /// gauge pressure and `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Start value of the input `<name>.pressure`, which is the pressure of the reservoir [Pa]. The absolute
+        /// pressure, which is the stated pressure plus `fluid.ambient_pressure`, must be above 0.
         pressure: f64 => number(Pascal, Finite);
     }
 
@@ -23,8 +23,8 @@ keys! {
     pub struct Line: Copy {
         /// Volume of the oil at the node [m3], > 0. A node with the volume 0 is an error.
         volume: f64 => number(CubicMetre, NonNegative).parameter(Circuit, "Volume of the oil in @").required();
-        /// Pressure at the start [Pa]. The sum of this gauge pressure and `fluid.ambient_pressure` (the absolute
-        /// pressure) must be above 0.
+        /// Pressure at the start of the run [Pa]. The absolute pressure, which is the stated pressure plus
+        /// `fluid.ambient_pressure`, must be above 0.
         start_pressure: f64 => number(Pascal, Finite).parameter(CircuitStart, "Pressure in @ at the start, relative to \
             the ambient pressure");
         /// Volume of the hoses at the node [m3], >= 0. The hose volume is a part of the oil volume in the key `volume`.
@@ -66,8 +66,8 @@ keys! {
         /// Gas volume V_0 of the accumulator at the precharge pressure [m3], > 0.
         volume: f64 = 1e-3 => number(CubicMetre, Positive).parameter(Circuit, "Gas volume of @ at the precharge \
             pressure");
-        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The sum of this gauge pressure and
-        /// `fluid.ambient_pressure` (the absolute pressure) must be above 0.
+        /// Precharge pressure [Pa]: gas pressure in the accumulator without oil. The absolute pressure, which is the
+        /// stated pressure plus `fluid.ambient_pressure`, must be above 0.
         precharge_pressure: f64 = 10e6 => number(Pascal, Finite).parameter(Circuit, "Precharge pressure of @: gas \
             pressure in the accumulator without oil");
         /// Polytropic exponent n of the gas in the accumulator [1], > 0.
@@ -98,7 +98,7 @@ keys! {
         /// Conductance of a laminar resistance in series with the orifice: flow divided by pressure drop [m3/(s.Pa)],
         /// >= 0. The value 0 means that there is no laminar resistance.
         laminar_conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of \
-            the laminar resistance in @; 0: no laminar pressure drop");
+            the laminar resistance in @; the value 0 means no laminar pressure drop");
     }
 
     /// A check valve lets oil flow only from port `from` to port `to`.
@@ -111,7 +111,7 @@ keys! {
         cracking_pressure: f64 => number(Pascal, NonNegative).parameter(Circuit, "Pressure drop at which @ opens");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0. If
         /// `conductance` is greater than 0, the key `rated_flow` has no effect.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
@@ -124,9 +124,10 @@ keys! {
             through @ changes from laminar to turbulent");
         /// Conductance of a check valve with linear flow [m3/(s.Pa)], >= 0: flow divided by the pressure drop above the
         /// cracking pressure. With the default 0, the flow through the open valve is turbulent, and the key
-        /// `rated_flow` states its size.
+        /// `rated_flow` states the flow.
         conductance: f64 => number(CubicMetrePerSecondPascal, NonNegative).parameter(Circuit, "Conductance of @: flow \
-            divided by the pressure drop above the cracking pressure; 0: turbulent flow according to the rated flow");
+            divided by the pressure drop above the cracking pressure; the value 0 means a turbulent flow according to \
+            the rated flow");
     }
 
     /// A relief valve lets oil flow from port `from` to port `to` while the pressure at `from` is above the key
@@ -137,14 +138,15 @@ keys! {
         /// Port to which the relief valve discharges oil, usually a reservoir.
         to: String => line().required();
         /// Pressure at the port `from` at which the relief valve starts to open [Pa], > 0.
-        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at which @ starts to open");
+        pressure: f64 = 28e6 => number(Pascal, Positive).parameter(Circuit, "Pressure at the port `from` at which @ \
+            starts to open");
         /// Width of the pressure range over which the relief valve starts to open smoothly [Pa], > 0.
         width: f64 = 1e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Conductance of the relief valve: flow divided by the excess of the pressure at the port `from` over the key
         /// `pressure` [m3/(s.Pa)], > 0.
         conductance: f64 = 1e-10 => number(CubicMetrePerSecondPascal, Positive).parameter(Circuit, "Conductance of @: \
-            flow divided by the excess of the pressure over the opening pressure");
+            flow divided by the excess of the upstream pressure over the opening pressure");
     }
 
     /// A priority valve is open while the pressure at the upstream port `from` is above the key `pressure`.
@@ -158,7 +160,7 @@ keys! {
             @ is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
@@ -186,7 +188,7 @@ keys! {
         pressure: f64 = 10e6 => number(Pascal, Positive).parameter(Circuit, "Pilot pressure at which @ is half open");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 2e5 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
@@ -203,7 +205,7 @@ keys! {
     }
 
     /// A pilot-operated check valve (lock valve) lets oil flow freely from port `from` to port `to`. Reverse flow is
-    /// possible only while p_pilot > `ratio` * p_to, with the pressures p_pilot and p_to at the ports `pilot` and `to`.
+    /// possible only while the pressure at the port `pilot` exceeds `ratio` times the pressure at the port `to`.
     pub struct PilotCheck {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
@@ -211,14 +213,14 @@ keys! {
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port opens the valve for reverse flow.
         pilot: String => line().required();
-        /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while p_pilot >
-        /// `ratio` * p_to. Data sheets usually state the reciprocal of the pressure ratio: the area of the pilot piston
-        /// divided by the area of the valve seat.
+        /// Pressure ratio at which the pilot opens the valve [1], > 0: reverse flow is possible while the pressure at
+        /// the port `pilot` exceeds `ratio` times the pressure at the port `to`. Data sheets usually state the
+        /// reciprocal of the pressure ratio: the area of the pilot piston divided by the area of the valve seat.
         ratio: f64 = 0.3 => number(One, Positive).parameter(Circuit, "Ratio of pilot pressure to load pressure above \
             which @ opens for the reverse flow");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 5e4 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
@@ -230,27 +232,27 @@ keys! {
             through @ changes from laminar to turbulent");
     }
 
-    /// A counterbalance valve lets oil flow freely from port `from` to port `to`. Reverse flow is possible while p_to +
-    /// `ratio` * p_pilot is above the key `pressure`. p_to and p_pilot are the pressures at the ports `to` and `pilot`.
+    /// A counterbalance valve lets oil flow freely from port `from` to port `to`. Reverse flow is possible while the
+    /// pressure at the port `to` plus `ratio` times the pressure at the port `pilot` is above the key `pressure`.
     pub struct Counterbalance {
         /// Port from which oil flows freely to the port `to`.
         from: String => line().required();
-        /// Port of the valve on the side of the load. Reverse flow enters the valve at this port.
+        /// Port of the valve on the side of the load. Reverse flow enters the counterbalance valve at the port `to`.
         to: String => line().required();
         /// Pilot port: the pressure at the pilot port helps to open the valve.
         pilot: String => line().required();
-        /// Pilot ratio [1], > 0: factor by which the pilot pressure is multiplied. The valve is half open when the sum
-        /// p_to + `ratio` * p_pilot is equal to the key `pressure`. p_to and p_pilot are the pressures at the ports
-        /// `to` and `pilot`.
+        /// Pilot ratio [1], > 0: factor by which the pilot pressure is multiplied. The valve is half open when the
+        /// pressure at the port `to` plus `ratio` times the pressure at the port `pilot` is equal to the key
+        /// `pressure`.
         ratio: f64 = 3.0 => number(One, Positive).parameter(Circuit, "Pilot ratio of @: the valve is half open when \
             the load pressure plus this ratio times the pilot pressure is equal to the opening pressure");
-        /// Opening pressure: value of the sum p_to + `ratio` * p_pilot at which the valve is half open [Pa], > 0. p_to
-        /// and p_pilot are the pressures at the ports `to` and `pilot`.
+        /// Opening pressure of the valve [Pa], > 0. The valve is half open when the pressure at the port `to` plus
+        /// `ratio` times the pressure at the port `pilot` is equal to the key `pressure`.
         pressure: f64 = 25e6 => number(Pascal, Positive).parameter(Circuit, "Opening pressure of @: the valve is \
             half open when the load pressure plus the pilot ratio times the pilot pressure is equal to this pressure");
         /// Width of the pressure range over which the valve opens smoothly [Pa], > 0.
         width: f64 = 1e6 => number(Pascal, Positive).parameter(Circuit, "Width of the pressure range over which @ \
-            opens");
+            opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
@@ -279,8 +281,8 @@ keys! {
         /// the key `length`.
         opens: Opens;
         /// Width of the range of cylinder lengths over which the valve opens smoothly [m], > 0.
-        width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of lengths over which @ \
-            opens");
+        width: f64 = 5e-5 => number(Metre, Positive).parameter(Circuit, "Width of the range of cylinder lengths over \
+            which @ opens smoothly");
         /// Flow through the fully open valve at the pressure drop in the key `rated_pressure_drop` [m3/s], > 0.
         rated_flow: f64 = 1e-4 => number(CubicMetrePerSecond, Positive).parameter(Circuit, "Flow through @ at the \
             rated pressure drop");
@@ -355,18 +357,20 @@ keys! {
         /// flow changes smoothly. `switch`: the flow is proportional to the pressure drop below `transition_pressure`,
         /// and to the square root of the pressure drop above.
         transition: Transition;
-        /// Clearance of the spool, relative to the full opening of a metering edge [1], > 0. At the spool position
-        /// `overlap`, a metering edge is open by half of the clearance.
+        /// Clearance of the valve spool, relative to the full opening of a metering edge [1], > 0. At the spool
+        /// position `overlap`, a metering edge is open by half of the clearance.
         clearance: f64 = 2e-3 => number(One, Positive).parameter(Circuit, "Clearance of the spool of @, relative to \
-            the full opening; at the spool position overlap, a metering edge is open by half of the clearance");
+            the full opening of a metering edge; at the spool position of the parameter overlap, a metering edge is \
+            open by half of the clearance");
         /// Overlap of the valve [1]: spool position, from -1 to 1, at which a metering edge starts to open. A negative
         /// overlap is an underlap.
-        overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap: spool position at which a metering edge of @ \
+        overlap: f64 => number(One, Finite).parameter(Circuit, "Overlap of @: spool position at which a metering edge \
             starts to open");
         /// Natural frequency of the valve spool [Hz], > 0. Without the key `frequency`, the spool position is equal to
         /// the command at every instant.
         frequency: Option<f64> => number(Hertz, Positive).parameter(Circuit, "Natural frequency of the spool of @");
         /// Damping ratio of the motion of the valve spool [1], > 0.
-        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the spool of @");
+        damping_ratio: f64 = 0.8 => number(One, Positive).parameter(Circuit, "Damping ratio of the motion of the spool \
+            of @");
     }
 }

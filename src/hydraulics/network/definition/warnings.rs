@@ -59,8 +59,8 @@ impl HydraulicSystem {
             let flow = self.reliefs.iter().fold(0.0, relief);
             if flow < pump.max_flow {
                 let message = format_args!(
-                    "is {} m3/s, but the relief valves at \"{}\" can discharge only {} m3/s at 10 % above their \
-                        opening pressure",
+                    "the largest flow of this pump is {} m3/s, but the relief valves at \"{}\" can discharge only {} \
+                        m3/s at 10 % above their opening pressure",
                     Decimal(pump.max_flow),
                     pump.to,
                     Decimal::rounded(flow)
@@ -73,8 +73,8 @@ impl HydraulicSystem {
             let below = self.reliefs.iter().find(|(_, one)| one.from == pump.to && one.pressure <= pump.full_pressure);
             if let Some((relief, one)) = below {
                 let message = format_args!(
-                    "is {} Pa, above reliefs.{relief}.pressure = {} Pa: the relief valve opens before the flow of the \
-                     pump falls",
+                    "the full pressure of this pump is {} Pa, above reliefs.{relief}.pressure = {} Pa: the relief \
+                     valve opens before the flow of the pump falls",
                     Decimal(pump.full_pressure),
                     Decimal(one.pressure)
                 );
@@ -87,7 +87,8 @@ impl HydraulicSystem {
         }
         for (name, accumulator) in self.accumulators.iter().filter(|(_, one)| one.precharge_pressure >= highest) {
             let message = format_args!(
-                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the accumulator never takes oil",
+                "the precharge pressure is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the \
+                    accumulator never takes oil",
                 Decimal(accumulator.precharge_pressure),
                 Decimal(highest)
             );
@@ -97,8 +98,8 @@ impl HydraulicSystem {
         for (name, accumulator) in self.accumulators.iter() {
             if let Some((tank, reservoir)) = lowest.filter(|(_, one)| accumulator.precharge_pressure <= one.pressure) {
                 let message = format_args!(
-                    "is {} Pa, not above reservoirs.{tank}.pressure = {} Pa, the lowest pressure: the accumulator can \
-                        never deliver all its oil",
+                    "the precharge pressure is {} Pa, not above reservoirs.{tank}.pressure = {} Pa, the lowest \
+                        pressure: the accumulator can never deliver all its oil",
                     Decimal(accumulator.precharge_pressure),
                     Decimal(reservoir.pressure)
                 );
@@ -111,7 +112,8 @@ impl HydraulicSystem {
             let is_beyond = |low: f64, high: f64| (low, high) != (0.0, 0.0) && !(low..=high).contains(&valve.length);
             if is_beyond(lower, upper) {
                 let message = format_args!(
-                    "is {} m, but the limits of {} are {} m and {} m: the cylinder never operates this valve",
+                    "the valve switches at a cylinder length of {} m, but the limits of the cylinder {} are {} m and \
+                        {} m: the cylinder never operates the valve",
                     Decimal(valve.length),
                     valve.cylinder,
                     Decimal(lower),
@@ -123,7 +125,8 @@ impl HydraulicSystem {
         }
         for (name, lock) in self.pressure_locks.iter().filter(|(_, one)| one.release_pressure >= highest) {
             let message = format_args!(
-                "is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the lock never releases",
+                "the release pressure is {} Pa, but pumps, reservoirs and start pressures reach only {} Pa: the lock \
+                    never releases",
                 Decimal(lock.release_pressure),
                 Decimal(highest)
             );

@@ -7,36 +7,48 @@ use crate::variables::Unit;
 
 /// Name, text and unit of each input of a cylinder, in the order of [`Part::ALL`].
 pub const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
-    ("length", "Length of @ at the start of a step; within the step, the integral of @.speed is added", Unit::Metre),
+    (
+        "length",
+        "Length of @ at the start of a step; within the step, the FMU adds the integral of the input speed to \
+        this length",
+        Unit::Metre,
+    ),
     ("speed", "Speed of @, positive when extending", Unit::MetrePerSecond),
     (
         "acceleration",
-        "Acceleration of @, positive when extending; needed only for time derivatives of outputs; 0: not connected, \
-         and the FMU calculates the acceleration from force, load and reduced mass",
+        "Acceleration of @, positive when extending; needed only for time derivatives of outputs; the value 0 means \
+            that the input is not connected: the FMU then calculates the acceleration from force, load and reduced \
+            mass",
         Unit::MetrePerSecondSquared,
     ),
     (
         "reduced_mass",
-        "Mass of the mechanism that @ moves, reduced to @; 0: mass not known, and no motion is predicted",
+        "Mass of the mechanism that @ moves, reduced to @; the value 0 means that the mass is not known: the FMU then \
+            predicts no motion",
         Unit::Kilogram,
     ),
-    ("reduced_mass_derivative", "Derivative of @.reduced_mass with respect to @.length", Unit::KilogramPerMetre),
+    (
+        "reduced_mass_derivative",
+        "Derivative of the input reduced_mass with respect to the length of @",
+        Unit::KilogramPerMetre,
+    ),
     ("holding_force", "Force of @ that would hold the moved mechanism at rest, positive if @ pushes", Unit::Newton),
     (
         "holding_force_derivative",
-        "Derivative of @.holding_force with respect to @.length; 0: derivative not known",
+        "Derivative of the input holding_force with respect to the length of @; the value 0 means that the derivative \
+            is not known",
         Unit::NewtonPerMetre,
     ),
     (
         "lower_limit",
-        "Smallest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
-         retraction",
+        "Smallest length of @ that the stops of the mechanism allow; while a stop or lock prevents retraction, the \
+            limit is the present length",
         Unit::Metre,
     ),
     (
         "upper_limit",
-        "Largest length of @ that the stops of the mechanism allow; the present length while a stop or lock prevents \
-         extension; if both limits are 0, the limits are not known",
+        "Largest length of @ that the stops of the mechanism allow; while a stop or lock prevents extension, the limit \
+            is the present length; if both limits are 0, the limits are not known",
         Unit::Metre,
     ),
 ];
@@ -45,14 +57,14 @@ pub const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [
 pub const PREVIEW: [(&str, &str, Unit, Ahead); 7] = [
     (
         "force",
-        "Predicted force of @ at the start of the next step; the force over the step is approximated by a straight \
-         line in time, whose slope is @.preview.force_rate",
+        "Predicted force of @ at the start of the next step; the predicted force changes linearly over the step, at \
+            the rate preview.force_rate",
         Unit::Newton,
         Ahead::Force,
     ),
     (
         "force_rate",
-        "Slope of the straight line in time that approximates the predicted force of @ over the next step",
+        "Rate of change of the predicted force of @ over the next step",
         Unit::NewtonPerSecond,
         Ahead::ForceRate,
     ),
@@ -95,18 +107,24 @@ pub const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "volume.compressed",
-        "Volume of oil stored by compression of oil and gas and stretch of hoses and walls since the start of the run",
+        "Volume of oil that the network has stored since the start of the run, because oil and gas are compressed and \
+            hoses and walls stretch",
         Unit::CubicMetre,
         Output::Total(Total::Compressed),
     ),
     (
         "volume.balance",
-        "Oil from the reservoirs minus leaked oil, minus stored oil, minus growth of the chambers: 0 except for \
-         rounding",
+        "Volume balance of the network: oil from the reservoirs minus leaked oil, minus stored oil, minus growth of \
+            the cylinder chambers, 0 except for rounding",
         Unit::CubicMetre,
         Output::VolumeBalance,
     ),
-    ("energy.pumps", "Work of the pumps on the oil since the start", Unit::Joule, Output::Total(Total::PumpWork)),
+    (
+        "energy.pumps",
+        "Work of the pumps on the oil since the start of the run",
+        Unit::Joule,
+        Output::Total(Total::PumpWork),
+    ),
     (
         "energy.reservoirs",
         "Energy from the reservoirs since the start of the run",
@@ -121,13 +139,14 @@ pub const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.seal_friction",
-        "Energy lost in the seal friction since the start of the run",
+        "Energy lost in the friction of the piston seals since the start of the run",
         Unit::Joule,
         Output::Total(Total::SealFriction),
     ),
     (
         "energy.compression",
-        "Energy stored by compression of oil and gas and stretch of hoses and walls since the start of the run",
+        "Energy that the network has stored since the start of the run, because oil and gas are compressed and hoses \
+            and walls stretch",
         Unit::Joule,
         Output::Total(Total::Compression),
     ),
@@ -139,8 +158,8 @@ pub const TOTALS: [(&str, &str, Unit, Output); 11] = [
     ),
     (
         "energy.balance",
-        "Energy from pumps and reservoirs minus all other energies of the network: 0 except for the error of the \
-         integration",
+        "Energy balance of the network: energy from pumps and reservoirs minus all other energies, 0 except for the \
+            error of the integration",
         Unit::Joule,
         Output::EnergyBalance,
     ),

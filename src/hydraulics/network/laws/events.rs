@@ -119,10 +119,9 @@ impl Laws {
         match self.event(index) {
             Event::Spool(valve, which) => {
                 let places = [
-                    "the metering edge at its overlap",
-                    "the metering edge at minus its overlap",
-                    "the end \
-                    of its travel, 1",
+                    "the metering edge at the positive overlap",
+                    "the metering edge at the negative overlap",
+                    "the end of its travel, 1",
                     "the end of its travel, -1",
                 ];
                 format!("the spool of {} is at {}", system.valves.names()[valve], places[which])
@@ -145,9 +144,9 @@ impl Laws {
 pub fn empty_words(name: &str, charge: [f64; 2]) -> String {
     let [pressure, precharge] = charge.map(Decimal::rounded);
     format!(
-        "the accumulator {name} contains no oil: its pressure of {pressure} Pa is below the precharge pressure of \
-         {precharge} Pa, and below the precharge pressure the equations of the accumulator are not valid; use a larger \
-         accumulator or a larger pump"
+        "the accumulator {name} contains no oil: the pressure of {pressure} Pa at the accumulator is below the \
+         precharge pressure of {precharge} Pa, and below the precharge pressure the equations of the accumulator are \
+         not valid; use a larger accumulator or a larger pump"
     )
 }
 

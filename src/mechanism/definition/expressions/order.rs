@@ -47,7 +47,7 @@ pub(super) fn ordered(
         let names: Vec<&str> = circle.iter().map(|&one| calculated[one].name.as_str()).collect();
         let one = &calculated[circle[0]];
         let why = format!(
-            "\"{}\": the values refer to each other in a circle ({}): write a number for one of them",
+            "\"{}\": the values refer to each other in a circle ({}): write a number for one of these values",
             one.text(),
             names.join(" reads ")
         );

@@ -110,7 +110,7 @@ impl Mechanism {
         // Both would have one name in the guess, and one variable for two speeds.
         for (name, _) in self.joints.iter().filter(|(_, joint)| joint.slides()) {
             if self.bodies.get(name).is_some() {
-                let message = format_args!("`{name}` is the name of a body and of a joint: rename one of them");
+                let message = format_args!("`{name}` is the name of a body and of a joint: rename one of the two");
                 faults.refuse(format_args!("joints.{name}"), message);
             }
         }

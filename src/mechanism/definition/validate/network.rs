@@ -61,8 +61,8 @@ impl Mechanism {
             }
         }
         if network.cylinders.is_empty() {
-            let message =
-                "the network has no cylinder, so it moves nothing: add a cylinder with the name of an actuator";
+            let message = "the network has no cylinder, so the network moves nothing: add a cylinder with the name of \
+                    an actuator";
             faults.refuse("hydraulics.cylinders", message);
         }
     }

@@ -81,7 +81,7 @@ impl Mjcf {
                 Ok(([first, second], Some([a, b])))
             }
             (None, None) => Ok(([self.body_named(node, "body1")?, self.body_named(node, "body2")?], None)),
-            _ => bail!("{}: site1 or site2 is missing: add it", node.at()),
+            _ => bail!("{}: the attribute site1 or site2 is missing: add the attribute", node.at()),
         }
     }
 
@@ -91,7 +91,8 @@ impl Mjcf {
             Some([a, b]) => (a.0, Some(b.0)),
             None => {
                 let anchor = node.fixed("anchor")?;
-                let anchor = anchor.with_context(|| format!("{}: anchor is missing: add the anchor", node.at()))?;
+                let anchor = anchor
+                    .with_context(|| format!("{}: the attribute anchor is missing: add the attribute", node.at()))?;
                 let frame = self.frames[first];
                 (add(frame.0, turned(&frame.1, anchor)), None)
             }
@@ -139,7 +140,8 @@ impl Mjcf {
 
     fn coupling(&mut self, node: &Element) -> Result<()> {
         let first = self.hinge_named(node, "joint1")?;
-        let first = first.with_context(|| format!("{}: joint1 is missing: add it", node.at()))?;
+        let first =
+            first.with_context(|| format!("{}: the attribute joint1 is missing: add the attribute", node.at()))?;
         let stated = node.numbers("polycoef")?.unwrap_or_else(|| vec![0.0, 1.0]);
         let part = |k: usize| stated.get(k).copied().unwrap_or(if k == 1 { 1.0 } else { 0.0 });
         let Some(second) = self.hinge_named(node, "joint2")? else {

@@ -254,7 +254,8 @@ impl Mjcf {
 
     fn inertial(&self, node: &Element, frame: Frame) -> Result<Part> {
         let (center, rotation) = self.frame(node, frame)?;
-        let mass = node.one("mass")?.with_context(|| format!("{}: mass is missing: add the mass", node.at()))?;
+        let mass =
+            node.one("mass")?.with_context(|| format!("{}: the attribute mass is missing: add the mass", node.at()))?;
         let own = match (node.fixed::<3>("diaginertia")?, node.fixed("fullinertia")?) {
             (_, Some(full)) => symmetric(full),
             (Some([x, y, z]), None) => symmetric([x, y, z, 0.0, 0.0, 0.0]),
@@ -312,7 +313,7 @@ impl Mjcf {
             "hinge" => false,
             "slide" => true,
             other => bail!(
-                "{}: a joint of the type {other} is not planar; hinge and slide are supported: write one of these",
+                "{}: a joint of the type {other} is not planar; hinge and slide are supported: write hinge or slide",
                 node.at()
             ),
         };

@@ -46,20 +46,21 @@ pub fn group(tag: &str) -> String {
 const POSE: &str = "position and orientation, with the angle unit and rotation order of `compiler`";
 const SOFT: &str = "the limits, connections and couplings in the definition are rigid";
 const TOUCH: &str = "property of contacts between bodies, which are not imported";
-const LOOK: &str = "used only for drawing, or as a name for other programs";
+const LOOK: &str = "the entry is used only for drawing, or as a name for other programs";
 const SOLVER: &str = "a setting of MuJoCo's solver that `import` does not need";
 const DRIVE: &str = "the drive of the definition follows its input without delay and without limits";
 
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
-    ("mujoco/compiler", "", Read, "settings of the file, as stated in the next rows"),
+    ("mujoco/compiler", "", Read, "settings of the file, which the next rows list"),
     ("mujoco/compiler", "angle eulerseq", Read, "unit of all angles, and order of the rotations in `euler`"),
     ("mujoco/compiler", "autolimits", Read, "if true, a joint with a `range` and without `limited` has limits"),
     ("mujoco/compiler", "inertiafromgeom inertiagrouprange", Read, "selection of the bodies whose masses `import` \
         computes from geoms, and selection of these geoms"),
     ("mujoco/compiler", "settotalmass", Read, "total mass of the model: `import` scales all masses so that their sum \
         is equal to the total mass"),
-    ("mujoco/compiler", "boundmass boundinertia", Read, "smallest allowed mass and moment of inertia of a body"),
+    ("mujoco/compiler", "boundmass boundinertia", Read, "smallest allowed mass and smallest allowed moment of inertia \
+        of a body"),
     ("mujoco/compiler", "coordinate", Rejected("local"), "global coordinates are not supported: save the file with a \
         newer version of MuJoCo"),
     ("mujoco/compiler", "balanceinertia", LeftOut, "the attribute corrects only moments of inertia that are \
@@ -67,9 +68,9 @@ pub const TABLE: &[Row] = &[
     ("mujoco/compiler", "alignfree assetdir conflict discardvisual fitaabb fusestatic meshdir passthrough \
         savecanonical savecompiled saveinertial strippath texturedir usethread", NoEffect, "the attributes concern \
         files, drawing, or the program MuJoCo itself"),
-    ("compiler/lengthrange", "", NoEffect, "used only for muscles"),
-    ("mujoco/option", "", Read, "settings of the simulation, as stated in the next rows"),
-    ("mujoco/option", "gravity", Read, "gravity, in the plane of motion"),
+    ("compiler/lengthrange", "", NoEffect, "the attribute is used only for muscles"),
+    ("mujoco/option", "", Read, "settings of the simulation, which the next rows list"),
+    ("mujoco/option", "gravity", Read, "gravity of the model, in the plane of motion"),
     ("mujoco/option", "density viscosity", Rejected("0"), "`import` cannot convert a surrounding medium: set density \
         and viscosity to 0, and add the key air to the definition"),
     ("mujoco/option", "wind magnetic actuatorgroupdisable", LeftOut, "the attribute concerns a surrounding medium, \
@@ -113,8 +114,8 @@ pub const TABLE: &[Row] = &[
     ("body/flexcomp body/plugin geom/plugin", "", Rejected(""), "plugins and deformable bodies are not supported: \
         remove plugins and deformable bodies"),
     ("body/inertial", "", Read, "mass, centre and moment of inertia of the body"),
-    ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass, moments of \
-        inertia, position and orientation"),
+    ("body/inertial", "mass diaginertia fullinertia pos quat axisangle euler xyaxes zaxis", Read, "mass and moments of \
+        inertia of the body, position and orientation of its centre of mass"),
     ("body/joint", "", Read, "a revolute or prismatic joint; if a body has several joints, `import` adds massless \
         bodies between the joints"),
     ("body/joint", "name class type pos axis", Read, "name, class, type (`hinge` or `slide`), position and axis of \
@@ -123,9 +124,10 @@ pub const TABLE: &[Row] = &[
     ("body/joint", "stiffness springref damping", Read, "a spring with a damper; coefficients of higher order are \
         rejected"),
     ("body/joint", "ref", Read, "angle or position of the joint in the file; ranges, springs and control signals of \
-        the joint refer to this value"),
+        the joint refer to the stated value"),
     ("body/joint", "armature frictionloss", Read, "rotor inertia and constant friction of the joint"),
-    ("body/joint", "springdamper springyield", Rejected("0"), "not supported: write stiffness and damping instead"),
+    ("body/joint", "springdamper springyield", Rejected("0"), "the attribute is not supported: write stiffness and \
+        damping instead"),
     ("body/joint", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("body/joint", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),
     ("body/joint", "actuatorgravcomp group user", NoEffect, LOOK),
@@ -138,8 +140,8 @@ pub const TABLE: &[Row] = &[
     ("body/geom", "shellinertia", Read, "the attribute is an error if `import` computes the mass of the body from the \
         geom"),
     ("body/geom", "fluidcoef fluidshape", LeftOut, "an imported mechanism has no surrounding medium"),
-    ("body/geom", "contype conaffinity", Read, "if both are 0, the note of `import` about contacts does not list the \
-        geom"),
+    ("body/geom", "contype conaffinity", Read, "if both attributes are 0, the note of `import` about contacts does not \
+        list the geom"),
     ("body/geom", "adhesion condim friction gap margin priority solimp solmix solref surfacevel", NoEffect, TOUCH),
     ("body/geom", "name castshadow fitscale hfield material rgba user", NoEffect, LOOK),
     ("body/site", "", Read, "a marker, if the body of the site moves"),
@@ -165,8 +167,9 @@ pub const TABLE: &[Row] = &[
     ("mujoco/tendon", "", Read, "tendons"),
     ("tendon/spatial", "", Read, "a spring, drive and limits between two points; tendons over other sites, geoms or \
         pulleys are rejected"),
-    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "as for \
-        `body/joint`; `springlength` is the free length of the spring; a tendon with friction is rejected"),
+    ("tendon/spatial", "name class stiffness damping springlength range limited armature frictionloss", Read, "the \
+        attributes have the same meaning as for `body/joint`; `springlength` is the free length of the spring; a \
+        tendon with friction is rejected"),
     ("tendon/spatial", "springyield", Rejected("0"), "springs cannot yield: set springyield to 0"),
     ("tendon/spatial", "margin solimpfriction solimplimit solreffriction solreflimit", LeftOut, SOFT),
     ("tendon/spatial", "actuatorfrclimited actuatorfrcrange", LeftOut, DRIVE),

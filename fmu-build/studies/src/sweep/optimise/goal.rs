@@ -66,7 +66,7 @@ impl Goal {
             Some(Objective { minimise: Some(name), maximise: None }) => (1.0, "minimise", name),
             Some(Objective { minimise: None, maximise: Some(name) }) => (-1.0, "maximise", name),
             Some(_) => bail!("objective: give exactly one of minimise and maximise"),
-            None => bail!("objective: is missing; give the response to be minimised: {{ \"minimise\": ... }}"),
+            None => bail!("objective: this key is missing; give the response to be minimised: {{ \"minimise\": ... }}"),
         };
         let column = find(&format!("objective.{key}"), name)?;
         let mut limits = Vec::new();
@@ -88,7 +88,7 @@ impl Goal {
                 }
             }
             if stated.at_least.is_none() && stated.at_most.is_none() {
-                bail!("{key}: has no limit; give at_least, at_most or both");
+                bail!("{key}: the constraint has no limit; give at_least, at_most or both");
             }
         }
         Ok(Self { name: name.clone(), column, sign, limits })

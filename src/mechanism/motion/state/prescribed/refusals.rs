@@ -82,7 +82,10 @@ impl Step<'_> {
             Missed::Idle(sigma) => {
                 let s = self.track.displacement(sigma).map_or(f64::NAN, |[s, ..]| s);
                 let (words, remedy) = whole.loading().loads[self.drive.load].idle_words(s, whole.linkage().size);
-                format!("{words}, so its motion cannot be prescribed and its force cannot be computed; {remedy}")
+                format!(
+                    "{words}, so the motion of the drive cannot be prescribed, and the force of the drive cannot \
+                    be computed; {remedy}"
+                )
             }
             Missed::DeadPoint(sigma) => format!(
                 "the drive has a dead centre near {}, where no force of the drive moves the mechanism; end the motion \
