@@ -256,7 +256,7 @@ fn part(text: &str) -> Result<f64, String> {
 /// Arguments of `import`.
 #[derive(Args)]
 pub struct Import {
-    /// File to convert, or a link of PMKS or PMKS+ in quotation marks
+    /// File to convert, or the web address of a mechanism in PMKS or PMKS+, in quotation marks
     #[arg(value_name = "FILE")]
     pub path: PathBuf,
     /// Format of the file [default: recognised from the file name or the first characters of the file]

@@ -47,8 +47,8 @@ pub struct Package {
     /// --glibc installs the linker zig from PyPI
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Add a static library for a target of Rust (x86_64-unknown-linux-gnu), for simulation tools that link FMUs. The
-    /// option --static can be given several times
+    /// Add a static library for a target triple of Rust (such as x86_64-unknown-linux-gnu), for simulation tools that
+    /// link the code of FMUs statically. The option --static can be given several times
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
     /// Do not pack documentation/animation.html, the animation of the default experiment

@@ -8,7 +8,7 @@ use crate::Task;
 /// A program for tasks. It has the name of its package.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Program {
-    /// Checks, packs and shows mechanisms.
+    /// Checks and shows mechanisms, and packs mechanisms as FMUs.
     Packer,
     /// Runs, imports and studies mechanisms. Also contains the tasks of the packer.
     Studies,

@@ -404,8 +404,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
         if body.center.is_some() {
             return Err(DefinitionError::key(
                 key(".center"),
-                "the centre of mass is also given in the frame of the body, by the key center outside of drawn: remove \
-                 one of the two keys",
+                "the centre of mass is given twice: here in the drawing, and by the key `center` of the body in the frame \
+                 of the body. Remove one of the two keys",
             ));
         }
         body.center = Some(local(center));
@@ -413,8 +413,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     let mut points: Vec<(String, [f64; 2])> = body.points.iter().map(|(n, p)| (n.to_owned(), *p)).collect();
     for (point, place) in drawn.points.iter() {
         if body.points.get(point).is_some() {
-            let message = "this point is also given in the frame of the body, by the key points outside of drawn: \
-                           remove one of the two points";
+            let message = "this point is given twice: here in the drawing, and by the key `points` of the body in the \
+                           frame of the body. Remove one of the two points";
             return Err(DefinitionError::key(key(&format!(".points.{point}")), message));
         }
         points.push((point.to_owned(), local(*place)));
