@@ -88,6 +88,7 @@ impl<P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, '_, P, L> {
             reached.t = t;
             return if is_whole { Ok(0.0) } else { Err(Stopped::Budget(reached)) };
         }
+        let ends = **ends;
         Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }
 

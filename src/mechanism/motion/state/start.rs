@@ -210,7 +210,8 @@ impl State {
             Some(memory) => saved.memory = memory,
             None => saved.memory.begin(state_loads.is_some()),
         }
-        let locked = || engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
+        let locks = (&*inputs.locks, saved.contact.engaged());
+        let locked = || engaged_locks(&start.travel, reduced, locks, saved.memory.network_values());
         saved.in_force = is_applied.then(locked);
         if reduced.can_prescribe() {
             self.begin_prescribed(reduced, inputs)?;
