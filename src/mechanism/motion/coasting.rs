@@ -89,7 +89,7 @@ impl<P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, '_, P, L> {
             return if is_whole { Ok(0.0) } else { Err(Stopped::Budget(reached)) };
         }
         let ends = **ends;
-        Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
+        Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }
 
     /// [`Self::run`] after many steps: pass over whole periods if the motion has one.

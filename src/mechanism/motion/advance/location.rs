@@ -127,9 +127,9 @@ where
         let around = (&*ends, &**contact);
         let width = DIFFERENCE * found.part;
         let [before, at] = [found.part - width, found.part]
-            .map(|part| excess(*dynamics, around, found.event, step.t + part * step.h, &dense.at(part)));
+            .map(|part| excess(dynamics, around, found.event, step.t + part * step.h, &dense.at(part)));
         let mut slope = (at - before) / (width * step.h);
-        let mut miss = excess(*dynamics, around, found.event, step.t + shorter.h, &shorter.end);
+        let mut miss = excess(dynamics, around, found.event, step.t + shorter.h, &shorter.end);
         for _ in 0..8 {
             let correction = -miss / slope;
             let next = shorter.h + correction;
@@ -139,7 +139,7 @@ where
             }
             let end = integrator.retake(*dynamics, step, next);
             self.progress.work.extra += 1;
-            let after = excess(*dynamics, around, found.event, step.t + end.h, &end.end);
+            let after = excess(dynamics, around, found.event, step.t + end.h, &end.end);
             let secant = (after - miss) / (end.h - shorter.h);
             if secant.is_finite() && secant != 0.0 {
                 slope = secant;
