@@ -158,6 +158,7 @@ pub fn fingerprint(mechanism: &Mechanism) -> u64 {
     bare.hydraulics.iter_mut().for_each(HydraulicSystem::clear_in_mechanism);
     bare.forces.iter_mut().for_each(|(_, force)| force.force = [0.0; 2]);
     bare.torques.iter_mut().for_each(|(_, torque)| torque.torque = 0.0);
+    bare.joints.iter_mut().for_each(|(_, joint)| joint.surface_speed = joint.surface_speed.map(|_| 0.0));
     bare.locks.iter_mut().for_each(|(_, lock)| lock.engage = false);
     fnv1a(written(&mut bare).as_bytes())
 }

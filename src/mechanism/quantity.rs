@@ -19,6 +19,8 @@ pub enum Quantity {
     Method,
     /// Whether a lock is engaged.
     Lock(usize),
+    /// Whether a lock has engaged by the force of its stop.
+    Engaged(usize),
     /// Whether a pressure lock of the network is engaged.
     PressureLock(usize),
     /// Whether the motion of a drive is prescribed.
@@ -129,6 +131,9 @@ pub enum Output {
     Friction { friction_joint: usize },
     /// Slip speed in a joint, by its index among the joints with friction.
     SlipSpeed { friction_joint: usize },
+    /// Power that moves the surface of a joint's first body against friction, by the index of the joint among those
+    /// with friction: friction force times surface speed.
+    SurfacePower { friction_joint: usize },
     /// Drag on a surface, along the flow.
     Drag { surface: usize },
     /// Force or torque of a stop.

@@ -2,6 +2,7 @@
 
 use crate::cams::{ROLLER, oscillating, parsed};
 use crate::characteristics::{POINTS, carriage, gas as gas_spring};
+use crate::conveyor;
 use crate::couplings::{GEARS, shafts};
 use crate::friction_contacts::TEETH;
 use crate::losses;
@@ -138,6 +139,8 @@ fn states() -> Vec<(String, Run)> {
         ("controllers at rest", controlled(0.0), [1e-6, 1e-4]),
         ("teeth on pins with friction", TEETH.into(), [0.02, 0.2]),
         ("cam with friction", rubbing, [0.013, 0.05]),
+        ("conveyor", conveyor::machine(1.5, json!({})).to_string(), [0.013, 0.2]),
+        ("conveyor at its end", conveyor::machine(-3.0, json!({ "start": { "speed": 0 } })).to_string(), [1e-6, 0.3]),
         ("screw that locks itself", screws::locking(0.05, -0.3).to_string(), [0.02, 0.2]),
         ("slot with friction", slots::arc(json!({ "static_coefficient": 0.2 })).with(law).to_string(), [0.013, 0.2]),
         ("arc slot", slots::arc(json!({})).with(between_bodies()).to_string(), [0.013, 0.2]),

@@ -123,6 +123,12 @@ keys! {
         /// the joint at rest. The key `frictionloss` does not need the key `friction`.
         frictionloss: Option<f64> => either([Newton, NewtonMetre], Range::NonNegative)
             .parameter(Role::Law, "Constant friction force or torque in @").absent("0").brief();
+        /// Conveyor: start value of the input `<name>.surface_speed`, the speed of the sliding surface of the first
+        /// body [m/s]. A belt, a chain or a sleeve moves this surface along the axis of a prismatic joint, along a slot
+        /// or around the pin of a revolute joint. The surface speed is positive in the direction in which the position
+        /// or the angle of the joint increases. Friction in the joint acts against the slip speed, which is the speed
+        /// of the second body relative to the surface. The key `surface_speed` needs the friction law `viscous`.
+        surface_speed: Option<f64> => number(MetrePerSecond, Range::Finite).brief();
         /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
         /// position of a prismatic joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,
         /// where rate is the relative speed of the two bodies of the joint. For a geared motor, `armature` is the

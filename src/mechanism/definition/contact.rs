@@ -75,6 +75,11 @@ keys! {
         /// rigid.
         release_force: Option<f64> => number(Newton, Range::Positive)
             .parameter(Role::Law, "Force at which @ releases the mechanism");
+        /// Latch: force or torque of the stop above which the lock engages, while the input `<name>.engage` is true [N
+        /// or N.m], > 0. Without the key `engage_force`, a lock engages as soon as the mechanism is at the stop. A lock
+        /// cannot have both the keys `engage_force` and `release_force`.
+        engage_force: Option<f64> => either([Newton, NewtonMetre], Range::Positive)
+            .parameter(Role::Law, "Force of the stop at which @ engages").brief();
     }
 }
 
@@ -89,8 +94,8 @@ words! {
 }
 
 impl Lock {
-    pub(super) fn parameters(&mut self, name: &str, visit: &mut Visit) {
-        Owner { group: Some("locks"), kind: "the lock ", name, is_rotary: false }.parameters(self, &Some, visit);
+    pub(super) fn parameters(&mut self, name: &str, is_rotary: bool, visit: &mut Visit) {
+        Owner { group: Some("locks"), kind: "the lock ", name, is_rotary }.parameters(self, &Some, visit);
     }
 }
 

@@ -5,6 +5,7 @@
 //! It must not know how loops are closed.
 use super::between::Between;
 use super::bodies::{Body, Drawn, JointKind};
+use super::contact::Lock;
 use super::loads::Actuator;
 use super::{GROUND, Mechanism};
 use crate::format::{Aside, DefinitionError, Faults, Key, Named, Number, Role, keys, numbers, words};
@@ -158,10 +159,13 @@ impl Mechanism {
         let drives = self.actuators.iter().filter(|(_, drive)| self.turns(drive));
         let springs = self.springs.iter().filter(|(_, spring)| self.is_rotary(spring.between()));
         let stops = self.stops.iter().filter(|(_, stop)| stop.angle.is_some());
+        let turning = |lock: &Lock| self.stops.get(&lock.stop).is_some_and(|stop| stop.angle.is_some());
+        let locks = self.locks.iter().filter(|(_, lock)| turning(lock));
         let couplings = self.couplings.iter().filter(|(_, coupling)| coupling.joint.is_none());
         let paths = drives.map(|(name, _)| format!("actuators.{name}"));
         let paths = paths.chain(springs.map(|(name, _)| format!("springs.{name}")));
         let paths = paths.chain(stops.map(|(name, _)| format!("stops.{name}")));
+        let paths = paths.chain(locks.map(|(name, _)| format!("locks.{name}")));
         let paths = paths.chain(couplings.map(|(name, _)| format!("couplings.{name}")));
         paths
             .chain(self.bodies.names().into_iter().map(|name| format!("guess.{name}")))

@@ -128,6 +128,7 @@ impl Mechanism {
         }
         for (name, joint) in self.joints.iter_mut() {
             take(idle, format!("joints.{name}.frictionloss"), &mut joint.frictionloss);
+            take(idle, format!("joints.{name}.surface_speed"), &mut joint.surface_speed);
             (joint.pin_radius, joint.static_coefficient, joint.kinetic_coefficient) = (None, None, None);
         }
         for (name, body) in self.bodies.iter_mut() {

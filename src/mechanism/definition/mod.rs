@@ -268,7 +268,11 @@ impl Mechanism {
         self.air.iter_mut().for_each(|air| air.parameters(visit));
         self.surfaces.iter_mut().for_each(|(name, surface)| surface.parameters(name, visit));
         self.stops.iter_mut().for_each(|(name, stop)| stop.parameters(name, visit));
-        self.locks.iter_mut().for_each(|(name, lock)| lock.parameters(name, visit));
+        let stops = &self.stops;
+        self.locks.iter_mut().for_each(|(name, lock)| {
+            let is_rotary = stops.get(&lock.stop).is_some_and(|stop| stop.angle.is_some());
+            lock.parameters(name, is_rotary, visit);
+        });
         self.start.parameters(visit);
         self.solver.parameters(visit);
     }

@@ -164,6 +164,8 @@ impl Mechanism {
             let no_slide = "only a prismatic joint has this key: remove the key";
             let no_pin = "only a revolute joint has this key: remove the key";
             let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
+            let no_radius = "a revolute joint without pin_radius has no friction, so the speed of its surface has no \
+                             effect: add pin_radius, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
@@ -173,6 +175,8 @@ impl Mechanism {
                 ("pin_radius", joint.pin_radius, is_revolute && without, no_friction),
                 ("static_coefficient", joint.static_coefficient, without, no_friction),
                 ("kinetic_coefficient", joint.kinetic_coefficient, without, no_friction),
+                ("surface_speed", joint.surface_speed, without, no_friction),
+                ("surface_speed", joint.surface_speed, is_revolute && joint.pin_radius.is_none(), no_radius),
             ] {
                 if value.is_some() && excluded {
                     faults.refuse(key(k), message);
@@ -356,6 +360,19 @@ impl Mechanism {
         for (name, lock) in self.locks.iter() {
             faults.keep(entry(format_args!("locks.{name}.stop"), "stops", &self.stops, &lock.stop));
             faults.keep(self.point(format_args!("locks.{name}.at"), &lock.at));
+            if lock.engage_force.is_none() {
+                continue;
+            }
+            let key = format_args!("locks.{name}.engage_force");
+            if lock.release_force.is_some() {
+                faults.refuse(key, "a lock cannot engage and release by force: remove engage_force or release_force");
+            }
+            if self.hydraulics.as_ref().is_some_and(|network| network.pressure_locks.get(name).is_some()) {
+                faults.refuse(
+                    key,
+                    "a pressure lock of hydraulics already engages this lock: remove engage_force, or rename the lock",
+                );
+            }
         }
     }
 

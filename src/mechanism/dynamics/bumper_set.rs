@@ -38,11 +38,17 @@ impl BumperSet {
         Self(self.0 & !(1 << bumper))
     }
 
-    /// The bumpers of both sets.
+    /// The bumpers in one of the sets, or in both.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self(self.0 | other.0)
+    }
+
+    /// The bumpers in both sets.
+    #[must_use]
+    pub fn intersection(self, other: Self) -> Self {
+        Self(self.0 & other.0)
     }
 
     /// Whether every bumper of the set is below `count`.

@@ -47,6 +47,13 @@ impl AppliedLoads<'_> {
         }
     }
 
+    /// Size of a load at t = 0 with its two time derivatives.
+    pub fn rates(&self, load: usize) -> [f64; 3] {
+        let derivatives = self.change.as_ref().filter(|change| load < change.first.len());
+        let [first, second] = derivatives.map_or([0.0; 2], |change| [change.first[load], change.second[load]]);
+        [self.sizes[load], first, second]
+    }
+
     /// Airspeed at the time t [s] of the step [m/s].
     #[inline]
     pub fn air<T: Number>(&self, t: T) -> T {

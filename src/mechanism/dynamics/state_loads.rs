@@ -33,6 +33,8 @@ pub struct Mode {
     pub touching: BumperSet,
     /// Whether a stop, a lock, drives or friction hold the mechanism at rest while other parts of the state change.
     pub held: bool,
+    /// Whether driven surfaces are taken to stand still, so that a mechanism at rest has no friction.
+    pub still: bool,
 }
 
 /// Result of an evaluation.
@@ -233,7 +235,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let mut acceleration = self.motion;
         if !state_loads.friction_joints.is_empty() {
             self.reactions_without_friction((reduced, state_loads), panel_force, [t, x, sigma_dot]);
-            self.friction(state_loads, mode, t.value(), sigma_dot)?;
+            self.friction(state_loads, applied, mode, [t, sigma_dot])?;
             let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
             for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(state_loads.free()).enumerate() {
                 *load = self.friction.friction(j);
@@ -348,10 +350,14 @@ impl<T: Number> StateLoadEvaluator<T> {
         Ok(force)
     }
 
-    /// Every friction joint has its static friction against a motion in this direction.
+    /// Every friction joint has its static friction against a motion in this direction; on a surface that moves, that
+    /// of the last evaluation, which was one at rest.
     fn set_static_arms(&mut self, state_loads: &StateLoads, direction: f64) {
         let slips = &self.effects.as_flattened()[state_loads.free()..];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
+            if friction_joint.surface.is_some() && self.friction.arm[j].value() != 0.0 {
+                continue;
+            }
             let arm = friction_joint.law.static_coefficient * friction_joint.radius;
             self.friction.arm[j] = T::constant(if slip.value() * direction < 0.0 { -arm } else { arm });
         }
@@ -367,11 +373,20 @@ impl<T: Number> StateLoadEvaluator<T> {
         solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
-    fn friction(&mut self, state_loads: &StateLoads, mode: &Mode, t: f64, sigma_dot: T) -> Result<(), Locked> {
+    fn friction(
+        &mut self,
+        state_loads: &StateLoads,
+        applied: &AppliedLoads,
+        mode: &Mode,
+        [t, sigma_dot]: [T; 2],
+    ) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
-            let v = *slip * sigma_dot * T::constant(friction_joint.radius);
+            let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
+            if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
+                v = v - applied.size(surface, t);
+            }
             if self.regimes[j].is_none() {
                 let towards = slip.value() * mode.direction;
                 let is_friction = state_loads.sticks && friction_joint.kind != FrictionKind::Teeth;
@@ -385,7 +400,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         let reactions = self.reactions.as_flattened();
         let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
-        solve(&mut self.friction, state_loads, t, &balance)?;
+        solve(&mut self.friction, state_loads, t.value(), &balance)?;
         for (k, &joint) in state_loads.prismatic.iter().enumerate() {
             self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
         }

@@ -252,6 +252,9 @@ fn refuse_losses(reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
         let name = format!("joints.{}.frictionloss", reduced.linkage().joints[joint.joint].name);
         return refuse(&name, "constant friction".into(), "remove this key");
     }
+    if let Some(surface) = loading.surfaces.clone().next() {
+        return refuse(&format!("joints.{}", loading.inputs[surface]), "a driven surface".into(), "remove this key");
+    }
     if loading.friction.as_ref().is_some_and(|f| f.enabled && !f.friction_joints.is_empty()) {
         return refuse("friction.enabled", "true".into(), "set this value to false");
     }

@@ -167,8 +167,11 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
         };
         displacement / reduced.scale()
     };
-    // A command sizes a load by the law of its drive.
+    // A command sizes a load by the law of its drive. The speed of a surface is no size.
     let unit = |load: usize| {
+        if loading.surfaces.contains(&load) {
+            return 0.0;
+        }
         let laws = loading.drives.iter().filter_map(|drive| drive.law.as_ref());
         laws.filter(|law| law.commands().contains(&load)).map(|law| law.force_of_command(load)).next().unwrap_or(1.0)
     };

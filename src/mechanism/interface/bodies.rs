@@ -3,11 +3,11 @@ use super::builder::Builder;
 use super::couplings;
 use super::needs::{Needs, placed};
 use crate::mechanism::linkage::Freedom;
-use crate::mechanism::loads::resolved::FrictionKind;
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::quantity::{FramePart, Output, ReactionPart, SmallMotion};
 use crate::variables::Unit::{
     Hertz, Joule, Metre, MetrePerSecond, MetrePerSecondSquared, Newton, NewtonMetre, One, Radian, RadianPerSecond,
-    RadianPerSecondSquared,
+    RadianPerSecondSquared, Watt,
 };
 
 pub(super) fn add_bodies(b: &mut Builder) {
@@ -91,8 +91,18 @@ pub(super) fn add_reactions(b: &mut Builder) {
         }
         let text =
             ["Slip speed of the body ", body(j.second.body), " on the body ", body(j.first.body), " in the joint ", n];
-        let needs = s.slip_speed(friction_joints[friction_joint].load);
-        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
+        let FrictionJoint { load, surface, .. } = friction_joints[friction_joint];
+        let slip = Needs { inputs: surface.as_slice(), ..s.slip_speed(load) };
+        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, slip);
+        if surface.is_some() {
+            let text = [
+                "Power that moves the surface of the body ",
+                body(j.first.body),
+                " against the friction in the joint ",
+                n,
+            ];
+            b.output(n, "surface_power", &text, Watt, Output::SurfacePower { friction_joint }, needs);
+        }
     }
 }
 

@@ -3,7 +3,8 @@ use super::needs::Needs;
 use super::source::Source;
 use crate::mechanism::definition::{FrictionLaw, Mechanism, Role};
 use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
-use crate::mechanism::loads::resolved::{FrictionKind, Loading};
+use crate::mechanism::loads::laws::friction::Law;
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind, Loading};
 use crate::mechanism::loads::unit_load::Load;
 use crate::numerics::plane::Vec2;
 
@@ -209,7 +210,7 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
     let stop = |l: &'l Loading| l.defined_stops().find(|s| s.load == load);
     let lock = |l: &'l Loading| {
         let of_stop = l.locks.iter().filter(|lock| l.stops[lock.stop].load == load);
-        of_stop.map(|lock| lock.release).collect::<Vec<_>>()
+        of_stop.map(|lock| (lock.release, lock.engage)).collect::<Vec<_>>()
     };
     let drag = |l: &'l Loading| {
         let air = l.air.as_ref()?;
@@ -233,10 +234,14 @@ fn same_load<'l>(one: &'l Loading, other: &'l Loading, load: usize) -> bool {
         && friction(one) == friction(other)
 }
 
-/// What static friction depends on besides positions: whether friction is enabled, pin radii and coefficients.
-fn statics(loading: &Loading) -> Vec<(bool, FrictionKind, f64, f64)> {
+/// What static friction depends on besides positions: whether friction is enabled, pin radii and coefficients; on a
+/// driven surface the law.
+fn statics(loading: &Loading) -> Vec<(bool, FrictionKind, f64, f64, Option<Law>)> {
     let joints = loading.friction.iter().flat_map(|f| f.friction_joints.iter().map(|p| (f.enabled, p)));
-    joints.map(|(enabled, p)| (enabled, p.kind, p.radius, p.law.static_coefficient)).collect()
+    let statics = |(enabled, p): (bool, &FrictionJoint)| {
+        (enabled, p.kind, p.radius, p.law.static_coefficient, p.surface.map(|_| p.law))
+    };
+    joints.map(statics).collect()
 }
 
 /// What the kinetic energy of each body depends on: the moment of inertia about a fixed pivot, else mass, centre and

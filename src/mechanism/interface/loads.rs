@@ -26,6 +26,12 @@ pub(super) fn add_inputs(b: &mut Builder) {
     for (_, t) in m.torques.iter().filter(|(_, t)| !t.constant) {
         b.load_input(&["External torque on the body ", &t.on, ", anticlockwise positive"], NewtonMetre, t.torque);
     }
+    for (name, joint) in m.joints.iter() {
+        if let Some(speed) = joint.surface_speed {
+            let text = ["Speed of the surface on which the second body slides in the joint ", name];
+            b.load_input(&text, MetrePerSecond, speed);
+        }
+    }
 }
 
 pub(super) fn add_airspeed(b: &mut Builder) {
@@ -82,9 +88,19 @@ pub(super) fn add_surfaces(b: &mut Builder) {
 
 pub(super) fn add_engagements(b: &mut Builder) {
     for (i, (name, lock)) in b.source.mechanism.locks.iter().enumerate() {
-        let text = b.text(|| {
-            ["true: the lock ", name, " is engaged. An engaged lock holds the mechanism at the stop ", &lock.stop]
-                .concat()
+        let text = b.text(|| match lock.engage_force {
+            None => {
+                ["true: the lock ", name, " is engaged. An engaged lock holds the mechanism at the stop ", &lock.stop]
+                    .concat()
+            }
+            Some(_) => [
+                "true: the lock ",
+                name,
+                " engages when the force of the stop ",
+                &lock.stop,
+                " exceeds engage_force; false: the lock releases",
+            ]
+            .concat(),
         });
         let start = (None, Value::Boolean(lock.engage));
         b.known([name, ".engage"].concat(), text, Causality::Input, start, Quantity::Lock(i));
@@ -165,5 +181,9 @@ pub(super) fn add_locks(b: &mut Builder) {
         let stop = &s.loading.stops[lock.stop].name;
         let text = ["Force of the lock ", &lock.name, " on the mechanism, positive towards the stop ", stop];
         b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
+        if lock.engage.is_some() {
+            let text = b.text(|| ["True while the lock ", &lock.name, " is engaged"].concat());
+            b.any_output([&lock.name, ".engaged"].concat(), text, None, Quantity::Engaged(i), Needs::default());
+        }
     }
 }

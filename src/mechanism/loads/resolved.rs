@@ -23,9 +23,10 @@ use crate::numerics::rise::Rise;
 pub use air::{Air, Surface};
 pub use couplings::Mesh;
 pub use drives::{Drive, DriveLaw, Efficiency};
-use ends::{Hinges, between};
+use ends::{Hinges, between, joint_load};
 pub use friction::{FrictionJoint, FrictionKind, JointFriction};
 pub use hydraulic::{HydraulicDrive, NO_HYDRAULICS, NetworkDrives, PORTS, allow_hydraulics};
+use std::ops::Range;
 
 /// All loads of a mechanism.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -36,6 +37,8 @@ pub struct Loading {
     pub loads: Vec<Load>,
     /// Names of the inputs that size the first loads, such as `actuator.force`.
     pub inputs: Vec<String>,
+    /// The inputs among them that are speeds of surfaces, which friction is relative to: the last ones.
+    pub surfaces: Range<usize>,
     /// Sizes of the loads of constant size.
     pub constants: Vec<f64>,
     /// Springs.
@@ -109,6 +112,8 @@ pub struct Lock {
     pub at: Point,
     /// Force on this point at which the lock releases [N]; None for a lock that holds against any load.
     pub release: Option<f64>,
+    /// Force of the stop above which the lock engages [N or N.m]; None for a lock that engages at the stop.
+    pub engage: Option<f64>,
 }
 
 /// Whether the state sizes a part of a spring's force: that of a damper with a curve, or a curve of torque, if the
@@ -173,6 +178,10 @@ impl Loading {
             let load = Load::Torque { body: linkage.carrier(mechanism, &t.on).map_or(0, |(body, _)| body), shift: 0.0 };
             if t.constant { constant.push((t.torque, load)) } else { sized.push((format!("{name}.torque"), load)) }
         }
+        let first = sized.len();
+        let driven = mechanism.joints.iter().enumerate().filter(|(_, (_, own))| own.surface_speed.is_some());
+        sized.extend(driven.map(|(joint, (name, _))| (surface_speed(name), joint_load(linkage, joint, 0.0))));
+        let surfaces = first..sized.len();
         for (coupling, (_, defined)) in mechanism.couplings.iter().enumerate() {
             if let Some(pretension) = defined.pretension {
                 constant.push(couplings::pretension(linkage, coupling, pretension));
@@ -200,8 +209,9 @@ impl Loading {
         let first = inputs.len() + drives.len();
         let (hydraulics, network) = hydraulic::hydraulic_drives(mechanism, first)?;
         let motion = mechanism.motion_drive().map(|(load, _, motion)| MotionDrive::new(load, motion, first));
+        let empty = Self::default();
         let mut loading =
-            Self { loads, inputs, constants, springs, drives, gravity, hydraulics, network, motion, ..Self::default() };
+            Self { loads, inputs, surfaces, constants, springs, drives, gravity, hydraulics, network, motion, ..empty };
         loading.add_stops(mechanism, linkage, hinges)?;
         loading.add_ends_of_cylinders();
         loading.add_springs_of_state(mechanism);
@@ -257,7 +267,8 @@ impl Loading {
                 return Err(DefinitionError::key(format_args!("locks.{name}.at"), message));
             }
             let stop = mechanism.stops.position(&lock.stop).unwrap_or(0);
-            self.locks.push(Lock { name: name.into(), stop, at, release: lock.release_force });
+            let (release, engage) = (lock.release_force, lock.engage_force);
+            self.locks.push(Lock { name: name.into(), stop, at, release, engage });
         }
         Ok(())
     }
@@ -292,9 +303,11 @@ impl Loading {
         self.sized() + self.springs.len()
     }
 
-    /// Whether an input is a command of the law of a drive: then the load of this index has no potential.
+    /// Whether an input is a command of the law of a drive, or the speed of a surface: then the load of this index has
+    /// no potential.
     pub fn is_command(&self, load: usize) -> bool {
         self.drives.iter().filter_map(|drive| drive.law.as_ref()).any(|law| law.commands().contains(&load))
+            || self.surfaces.contains(&load)
     }
 
     /// The states of all controllers, each with the index of its drive, in the order of their indices.
@@ -334,6 +347,11 @@ impl Loading {
             None => self.inputs.get(load).cloned().unwrap_or_else(|| "a constant load".into()),
         }
     }
+}
+
+/// Name of the input that is the speed of the surface of a joint's first body.
+fn surface_speed(joint: &str) -> String {
+    format!("{joint}.surface_speed")
 }
 
 /// Markers of a definition, in its order.

@@ -374,6 +374,13 @@ impl Model {
                     state.contact.rests(other, false);
                 }
             }
+            Transition::Engage(place) => {
+                state.contact.engages(place);
+                if let Some(reduced) = &self.reduced {
+                    let (travel, locked) = (Arc::clone(&state.travel), state.ends(reduced, &self.inputs.locks).locked);
+                    state.contact.locks_set(&Ends::new(&travel, 0.0, locked));
+                }
+            }
             Transition::Touch(bumper) => state.contact.touched(bumper),
             Transition::LetGo(bumper) => state.contact.let_go(bumper),
             Transition::Halt => state.sigma_dot = 0.0,

@@ -108,6 +108,7 @@ impl Told {
             }
             What::Touched { stop } => event(format!("the bumper {} starts to push the mechanism", name(stop))),
             What::Left { stop } => event(format!("the bumper {} no longer pushes the mechanism", name(stop))),
+            What::Engages { stop } => event(format!("the stop {} pushes so hard that its lock engages", name(stop))),
             What::Caught { stop } => {
                 self.series = None;
                 event(format!("a lock holds the mechanism at the stop {}", name(stop)))

@@ -212,6 +212,11 @@ impl Model {
                 let (network, memory) = (reduced.loading().network.as_ref(), state.memory.network_values());
                 Ok(network.zip(memory).is_some_and(|(network, memory)| is_engaged(&network.laws, memory, lock)))
             }
+            Some(Quantity::Engaged(lock)) => {
+                let is_on = self.inputs.locks[lock];
+                let (state, reduced) = self.shown()?;
+                Ok(is_on && state.has_engaged(reduced, lock))
+            }
             Some(Quantity::AtStop(stop)) => {
                 let (state, reduced) = self.shown()?;
                 Ok(state.at_stop(reduced, stop))
@@ -241,7 +246,7 @@ impl Model {
     pub fn check_boolean(&self, reference: Reference, _value: bool) -> Result<(), ModelError> {
         match self.original.variables.quantity(reference) {
             Some(Quantity::Flag(_) | Quantity::Lock(_) | Quantity::Prescribed) => Ok(()),
-            Some(Quantity::AtStop(_) | Quantity::SelfLocking(_) | Quantity::Sticking) => {
+            Some(Quantity::AtStop(_) | Quantity::Engaged(_) | Quantity::SelfLocking(_) | Quantity::Sticking) => {
                 Err(ModelError::Output { name: self.name_of(reference) })
             }
             _ => Err(self.no_such(reference, "Boolean")),

@@ -50,7 +50,8 @@ pub struct Advance<'a, 'e, const N: usize> {
     pub integrator: &'a mut Integrator<N>,
     /// The step that goes on beyond the present, if one does.
     pub lookahead: &'a mut Lookahead<N>,
-    pub ends: &'a Ends<'a>,
+    /// The places of the stops. A lock that engages by force does so here within the span.
+    pub ends: Ends<'a>,
     pub contact: &'a mut Contact,
     pub witness: &'a mut Witness,
     pub tolerance: f64,
@@ -86,9 +87,6 @@ pub struct Progress {
 /// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way
 /// to the knot, and its error estimate sees what is there, however narrow.
 const BEYOND_KNOT: f64 = 1.1;
-/// Part of a step before which no knot may be passed.
-const FARTHEST_KNOT: f64 = 0.8;
-
 /// Growth of a step after one that was made shorter because it was too coarse for its events.
 const GROWTH: f64 = 3.0;
 
@@ -225,7 +223,7 @@ where
     /// step is to be made again, to an earlier end: it is too coarse for its events, or goes too far beyond a knot.
     #[inline(always)]
     fn find_event(&mut self, step: &Step<N>, dense: &mut Option<Dense<N>>) -> Option<Option<Found<N>>> {
-        let around = (self.ends, &*self.contact);
+        let around = (&self.ends, &*self.contact);
         let laws = (self.progress.held, self.tolerance);
         let found = earliest_event(self.dynamics, self.integrator, around, step, laws, dense);
         if let Some(limit) = self.too_coarse(step, dense.as_ref()) {
@@ -341,18 +339,6 @@ where
             Some(knot) => self.progress.t + BEYOND_KNOT * ((knot - z[0]) / z[1]).abs(),
             None => f64::INFINITY,
         }
-    }
-
-    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
-    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
-    #[inline(always)]
-    fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
-        let is_knot = match found.event {
-            Event::Knot(_) => true,
-            Event::Border(border) => self.dynamics.is_kink(border),
-            _ => false,
-        };
-        (is_knot && found.part < FARTHEST_KNOT).then_some(step.t + BEYOND_KNOT * found.part * step.h)
     }
 
     /// A step beyond the span was in vain: the next ones end with it.

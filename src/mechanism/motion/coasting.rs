@@ -88,7 +88,8 @@ impl<P: Fn(f64) -> bool, L: Fn() -> Path> Coasting<'_, '_, P, L> {
             reached.t = t;
             return if is_whole { Ok(0.0) } else { Err(Stopped::Budget(reached)) };
         }
-        Advance { dynamics: *dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
+        let ends = **ends;
+        Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress }.run(y, span)
     }
 
     /// [`Self::run`] after many steps: pass over whole periods if the motion has one.

@@ -12,6 +12,7 @@
 //! | Latched | Resting | [`Contact::locks_set`]: the last lock is disengaged |
 //! | Resting | Free | [`Contact::released`]: the loads draw it off a rigid stop, beyond the release force of a lock |
 //! | Free | Resting, Latched | [`Contact::rests`]: of two stops at one place the other holds what the first let go |
+//! | Resting | Latched | [`Contact::engages`], [`Contact::locks_set`]: the loads press a lock to engage |
 //! | Free | Arrived | [`Contact::arrives`]: an advance that pauses at events has come to a stop |
 //! | Arrived | Free | [`Contact::take_arrival`]: it follows, as of a mechanism that is free |
 //!
@@ -25,8 +26,11 @@
 //!
 //! In: positions found at the start (`travel.rs`), locks, what happens at a place. Out: what a stop does to a motion
 //! that comes to it, the state of contact. It must not know time, forces or what causes a transition.
+mod places;
+
 use crate::codec::record::{Damaged, Record};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
+pub use places::{EngagedLocks, Place, Places};
 use std::iter;
 
 /// The rigid stop that ends the travel on one side.
@@ -52,6 +56,8 @@ pub struct BumperPlaces {
     pub positions: [Option<f64>; 2],
     /// Derivative along sigma of the stop's displacement at each of these.
     pub slopes: [f64; 2],
+    /// Push above which the lock of this bumper engages [N or N.m]; none without such a lock.
+    pub engages: Option<f64>,
 }
 
 /// Where the stops are first met, going out from the start. It does not change during a run.
@@ -67,26 +73,10 @@ pub struct Travel {
     /// Generalised force up to which the lock at the rigid stop of each side holds; None for a lock that holds against
     /// any load, and where there is none.
     pub grips: [Option<f64>; 2],
+    /// Generalised force of the rigid stop of each side above which the lock there engages; none without such a lock.
+    pub engages: [Option<f64>; 2],
     /// Side and index of each stop at the very place of a rigid stop that acts, so that it never acts itself.
     pub beside: Vec<(usize, usize)>,
-}
-
-/// A place where a stop is first met.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Place {
-    /// 0: the low side of sigma, 1: the high one.
-    pub side: usize,
-    /// Index of the bumper; none at the rigid stop that ends the travel.
-    pub bumper: Option<usize>,
-}
-
-/// Places where a lock is engaged.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct EngagedLocks {
-    /// Whether one is engaged at the rigid stop of each side.
-    pub rigid: [bool; 2],
-    /// Bumpers where one is engaged.
-    pub bumpers: BumperSet,
 }
 
 /// The places of the stops during a step.
@@ -104,42 +94,6 @@ pub struct Ends<'a> {
 #[inline]
 pub fn outward(side: usize) -> f64 {
     if side == 0 { -1.0 } else { 1.0 }
-}
-
-impl Place {
-    /// Place of the rigid stop of a side.
-    #[inline]
-    pub fn rigid(side: usize) -> Self {
-        Self { side, bumper: None }
-    }
-
-    /// Place where a bumper begins.
-    #[inline]
-    pub fn of_bumper(side: usize, bumper: usize) -> Self {
-        Self { side, bumper: Some(bumper) }
-    }
-
-    /// Sign of sigma_dot of a motion that comes to it from within the travel.
-    #[inline]
-    pub fn outward(self) -> f64 {
-        outward(self.side)
-    }
-
-    /// The place, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        record.place("side of the travel", &mut self.side, 2)?;
-        record.option("bumper", &mut self.bumper, usize::default, |record, bumper| {
-            record.place("bumper", bumper, BumperSet::CAPACITY)
-        })
-    }
-}
-
-impl EngagedLocks {
-    /// The places, written or read.
-    pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
-        self.rigid.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
-        self.bumpers.record(record)
-    }
 }
 
 impl Travel {
@@ -259,6 +213,17 @@ impl<'a> Ends<'a> {
         }
     }
 
+    /// Force of the stop above which a lock that waits at a place engages, generalised at a rigid stop [N or N.m at a
+    /// bumper]; infinite where none waits.
+    #[inline]
+    pub fn engages_at(&self, place: Place) -> f64 {
+        let least = match place.bumper {
+            None => self.travel.engages[place.side],
+            Some(bumper) => self.travel.bumpers[bumper].engages,
+        };
+        least.filter(|_| self.locked.waiting.contains(place)).unwrap_or(f64::INFINITY)
+    }
+
     /// All places that are exactly at sigma, rigid stops first.
     pub fn at(&self, sigma: f64) -> impl Iterator<Item = Place> + use<'a> {
         let shift = self.shift;
@@ -305,6 +270,8 @@ pub struct Contact {
     /// Place of a stop that the motion has come to, where the impact is still to take place.
     arrival: Option<Place>,
     touching: BumperSet,
+    /// Places where a lock has engaged by the force of the stop, and its input has not released it since.
+    engaged: Places,
 }
 
 impl Contact {
@@ -331,9 +298,31 @@ impl Contact {
         self.touching
     }
 
+    /// Places where a lock has engaged by the force of the stop.
+    #[inline]
+    pub fn engaged(&self) -> Places {
+        self.engaged
+    }
+
+    /// The lock at a place has engaged by the force of the stop.
+    pub fn engages(&mut self, place: Place) {
+        self.engaged = self.engaged.with(place);
+    }
+
+    /// The contact of a mechanism that moves freely, with the locks that have engaged.
+    #[must_use]
+    pub fn freed(&self) -> Self {
+        Self { engaged: self.engaged, ..Self::default() }
+    }
+
     /// Locks are engaged or not at each place: where the mechanism rests, an engaged lock latches.
     #[inline]
     pub fn locks_set(&mut self, ends: &Ends) {
+        if self.engaged != Places::default() {
+            let Places { rigid, bumpers } = ends.locked.engaged();
+            self.engaged.rigid = [0, 1].map(|side| self.engaged.rigid[side] && rigid[side]);
+            self.engaged.bumpers = self.engaged.bumpers.intersection(bumpers);
+        }
         if let Some(rest) = &mut self.rest {
             rest.latched = ends.is_fast(rest.place);
         }
@@ -401,7 +390,8 @@ impl Contact {
             record.flag("latched", &mut rest.latched)
         })?;
         record.option("arrival at a stop", &mut self.arrival, Place::default, |record, place| place.record(record))?;
-        self.touching.record(record)
+        self.touching.record(record)?;
+        self.engaged.record(record)
     }
 }
 

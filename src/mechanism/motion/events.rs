@@ -21,7 +21,7 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::contact::{Contact, Ends, Place};
 use crate::mechanism::reduced::{AT_KNOT, StateLoads};
 use borders::{passage_of_border, passes_border};
-use bumpers::passage_of_bumper;
+use bumpers::{passage_of_bumper, passage_of_push};
 pub use levels::{may_pass_level, passage_of_level};
 use places::Near;
 use regimes::{SlipBounds, passage_of_slip};
@@ -45,6 +45,8 @@ pub enum Event {
     Stop(Place),
     /// This bumper begins or ceases to push.
     Bumper(usize),
+    /// This bumper pushes so hard that the lock that waits there engages.
+    Engages(usize),
     /// sigma_dot changes its sign.
     Reversal,
     /// The slip speed of a friction joint leaves the range of its regime.
@@ -78,9 +80,10 @@ impl Event {
                 (6, 0, Place::default())
             }
             Self::Level(level) => (7, level, Place::default()),
+            Self::Engages(bumper) => (8, bumper, Place::default()),
             Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
         };
-        record.choice("event", &mut kind, 8)?;
+        record.choice("event", &mut kind, 9)?;
         match kind {
             0 => place.record(record)?,
             6 => record.finite("position of an event", &mut sigma)?,
@@ -94,6 +97,7 @@ impl Event {
             4 => Self::Border(index),
             6 => Self::Knot(sigma),
             7 => Self::Level(index),
+            8 => Self::Engages(index),
             _ => Self::Switch(index),
         };
         Ok(())
@@ -130,6 +134,8 @@ struct Guards {
     ends: [usize; 7],
     knot: f64,
     bumpers: usize,
+    /// Guards of each bumper.
+    of_bumper: usize,
 }
 
 impl Guards {
@@ -143,8 +149,9 @@ impl Guards {
         let borders = switches + dynamics.borders::<N>();
         let knots = borders + usize::from(knot.is_some());
         let levels = knots + dynamics.levels::<N>();
+        let of_bumper = if ends.locked.waiting.bumpers == BumperSet::EMPTY { 3 } else { 4 };
         let ends_of_kinds = [reversals, regimes, switches, borders, knots, levels, levels + 2];
-        Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers() }
+        Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers(), of_bumper }
     }
 
     /// Whether stops are the only guards.
@@ -156,10 +163,11 @@ impl Guards {
     /// Their indices.
     #[inline(always)]
     fn indices(&self) -> Range<usize> {
-        0..self.ends[6] + 3 * self.bumpers
+        0..self.ends[6] + self.of_bumper * self.bumpers
     }
 
-    /// A guard by its index: of each bumper its place at the low and at the high side, then its push.
+    /// A guard by its index: of each bumper its place at the low and at the high side, its push, then the
+    /// lock that waits there.
     #[inline(always)]
     fn get(&self, index: usize) -> Event {
         let [reversals, regimes, switches, borders, knots, levels, rigid] = self.ends;
@@ -171,8 +179,9 @@ impl Guards {
             _ if index < knots => Event::Knot(self.knot),
             _ if index < levels => Event::Level(index - knots),
             _ if index < rigid => Event::Stop(Place::rigid(index - levels)),
-            _ => match ((index - rigid) / 3, (index - rigid) % 3) {
+            _ => match ((index - rigid) / self.of_bumper, (index - rigid) % self.of_bumper) {
                 (bumper, 2) => Event::Bumper(bumper),
+                (bumper, 3) => Event::Engages(bumper),
                 (bumper, side) => Event::Stop(Place::of_bumper(side, bumper)),
             },
         }
@@ -273,6 +282,7 @@ where
             Event::Level(level) => may_pass_level(dynamics, level, step),
             Event::Stop(place) => self.near.may_pass_place(ends, place),
             Event::Bumper(bumper) => contact.touching().contains(bumper) || self.near.is_behind(ends, bumper),
+            Event::Engages(bumper) => engaging_push((ends, contact), bumper).is_some(),
             Event::Undefined => false,
         }
     }
@@ -282,7 +292,7 @@ where
         let (dynamics, step, (ends, contact)) = (&mut *self.dynamics, self.step, self.around);
         match guard {
             Event::Reversal => dense.first_passage(1, 0.0, towards(-dynamics.mode.direction), false),
-            Event::Regime(joint) => passage_of_slip(dynamics, joint, dense),
+            Event::Regime(joint) => passage_of_slip(dynamics, joint, step, dense),
             Event::Switch(switch) => passage_of_switch(dynamics, switch, self.integrator, step, dense),
             Event::Border(border) => passage_of_border(dynamics, border, step, dense),
             Event::Knot(knot) => dense.first_passage(0, knot, towards(knot - step.start[0]), false),
@@ -299,9 +309,18 @@ where
                 // An undamped bumper lets go at the very place where the lock catches.
                 back.is_none_or(|back| part < back - BEFORE_LOCK).then_some(part)
             }
+            Event::Engages(bumper) => {
+                engaging_push((ends, contact), bumper).and_then(|push| passage_of_push(dynamics, bumper, push, dense))
+            }
             Event::Undefined => None,
         }
     }
+}
+
+/// Push at which the lock that waits at a bumper engages [N or N.m]; none unless the bumper touches and a lock waits.
+fn engaging_push((ends, contact): (&Ends, &Contact), bumper: usize) -> Option<f64> {
+    let push = ends.engages_at(Place::of_bumper(0, bumper));
+    (contact.touching().contains(bumper) && push.is_finite()).then_some(push)
 }
 
 /// How far a state at the time t of the span [s] is past an event, in the unit of what decides: the speed, a push, the
@@ -309,7 +328,7 @@ where
 /// alone.
 pub fn excess<'e, const N: usize>(
     dynamics: &mut EquationOfMotion<'e>,
-    contact: &Contact,
+    (ends, contact): (&Ends, &Contact),
     event: Event,
     t: f64,
     z: &[f64; N],
@@ -320,7 +339,10 @@ where
     match event {
         Event::Reversal => -dynamics.mode.direction * z[1],
         Event::Bumper(bumper) => dynamics.excess_of_bumper(bumper, contact.touching().contains(bumper), [z[0], z[1]]),
-        Event::Regime(joint) => dynamics.excess_of_slip(joint, [z[0], z[1]]),
+        Event::Engages(bumper) => {
+            dynamics.bumper_push(bumper, z[0], z[1]).1 - ends.engages_at(Place::of_bumper(0, bumper))
+        }
+        Event::Regime(joint) => dynamics.excess_of_slip(joint, [t, z[0], z[1]]),
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
         Event::Level(level) => dynamics.level_of_network(level, z).map_or(0.0, |level| level.excess(z)),

@@ -13,7 +13,7 @@ use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::motion::prescribed::PrescribedState;
-use crate::mechanism::motion::travel::grips;
+use crate::mechanism::motion::travel::set_forces_of_locks;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
 
@@ -129,8 +129,7 @@ impl SavedState {
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
-        let grips = grips(&saved.travel, reduced)?;
-        Arc::make_mut(&mut saved.travel).grips = grips;
+        set_forces_of_locks(Arc::make_mut(&mut saved.travel), reduced)?;
         Ok(saved)
     }
 
@@ -229,7 +228,7 @@ impl SavedState {
                              this index"
                     ),
                 ),
-                Event::Bumper(bumper) => (
+                Event::Bumper(bumper) | Event::Engages(bumper) => (
                     bumper < bumpers,
                     format!("index of the saved event = {bumper}: the mechanism has no bumper that has this index"),
                 ),

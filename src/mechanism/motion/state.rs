@@ -240,6 +240,9 @@ impl State {
         if ahead {
             self.memory.drop_outdated(Outdated::Law);
         }
+        if arrival.contact.engaged() != contact.engaged() {
+            self.saved.applied.version = 0;
+        }
         let error = match advanced {
             Ok(()) => match self.arrive(reduced, &arrival) {
                 Ok(()) => return Ok(Reached::End),
@@ -359,6 +362,7 @@ impl State {
                 let mut z = [y[0], y[1], 0.0];
                 let progress = Progress::within(integrator.attempts() + max_steps);
                 let ahead = &mut *lookahead;
+                let ends = *ends;
                 let advance =
                     Advance { dynamics, integrator, lookahead: ahead, ends, contact, witness, tolerance, progress };
                 let impacts = advance.run(&mut z, h);
@@ -406,7 +410,7 @@ impl State {
         Ends::new(
             travel,
             shift(reduced, self.revolutions),
-            engaged_locks(travel, reduced, locks, self.memory.network_values()),
+            engaged_locks(travel, reduced, (locks, self.contact.engaged()), self.memory.network_values()),
         )
     }
 
@@ -419,6 +423,14 @@ impl State {
             let past = (self.sigma - (position - shift)) * place.outward();
             past == 0.0 || past > 0.0 && (place.bumper.is_none() || self.is_beyond(reduced, stop))
         })
+    }
+
+    /// Whether a lock has engaged by the force of its stop; true for one that needs no such force.
+    pub fn has_engaged(&self, reduced: &Reduced, lock: usize) -> bool {
+        let lock = &reduced.loading().locks[lock];
+        let (travel, engaged) = (&self.travel, self.contact.engaged());
+        let mut own = travel.places().filter(|(place, _)| travel.holds(*place, lock.stop));
+        lock.engage.is_none() || own.any(|(place, _)| engaged.contains(place))
     }
 
     /// Whether the quantity of a stop is at its value or beyond.

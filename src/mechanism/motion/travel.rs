@@ -65,15 +65,39 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
         place_bumpers(&mut travel.bumpers, side, all(), |position| ahead(position) < end - one_place, one_place);
     }
     add_slopes(&mut travel, reduced);
-    travel.grips = grips(&travel, reduced)?;
+    set_forces_of_locks(&mut travel, reduced)?;
     Ok(travel)
+}
+
+/// State the forces at which locks release and engage.
+///
+/// # Errors
+/// The stop of a lock with a release force is a bumper, or another lock is at the place of a lock with such a force.
+pub fn set_forces_of_locks(travel: &mut Travel, reduced: &Reduced) -> Result<(), ModelError> {
+    travel.grips = grips(travel, reduced)?;
+    travel.engages = [None; 2];
+    travel.bumpers.iter_mut().for_each(|bumper| bumper.engages = None);
+    let locks = &reduced.loading().locks;
+    for lock in locks.iter().filter(|lock| lock.engage.is_some()) {
+        if locks.iter().filter(|other| other.stop == lock.stop).count() > 1 {
+            let message = "another lock is at the same stop: combine the two locks, or remove this key";
+            return Err(DefinitionError::key(format_args!("locks.{}.engage_force", lock.name), message).into());
+        }
+        for side in 0..2 {
+            if let Some(end) = travel.rigid[side].filter(|_| travel.holds(Place::rigid(side), lock.stop)) {
+                travel.engages[side] = lock.engage.map(|force| force * end.slope.abs());
+            }
+        }
+        travel.bumpers.iter_mut().filter(|own| own.stop == lock.stop).for_each(|own| own.engages = lock.engage);
+    }
+    Ok(())
 }
 
 /// What the locks with a release force hold at the rigid stop of each side.
 ///
 /// # Errors
 /// The stop of such a lock is a bumper, or another lock is at the same place.
-pub fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], ModelError> {
+fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], ModelError> {
     let mut grips = [None; 2];
     let loading = reduced.loading();
     for (index, lock) in loading.locks.iter().enumerate() {

@@ -24,6 +24,8 @@ pub enum What {
     Touched { stop: usize },
     /// A bumper ceases to push.
     Left { stop: usize },
+    /// The lock of this stop engages by the force of the stop.
+    Engages { stop: usize },
     /// A lock of this stop catches the mechanism.
     Caught { stop: usize },
     /// The locks of this stop let the mechanism go.

@@ -6,7 +6,7 @@
 use crate::hydraulics::network::outputs as network;
 use crate::mechanism::definition::ControlState;
 use crate::mechanism::loads::friction_loop::Locked;
-use crate::mechanism::loads::resolved::Loading;
+use crate::mechanism::loads::resolved::{FrictionJoint, Loading};
 use crate::mechanism::motion::impacts::Impacts;
 use crate::mechanism::quantity::{FramePart, Hydraulic, ImpactPart, OneElement, Output, ReactionPart, SmallMotion};
 use crate::mechanism::rigid_fem::RigidFemError;
@@ -185,8 +185,13 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::SlipSpeed { friction_joint } => match &loading.friction {
             Some(friction) => {
                 let joint = &friction.friction_joints[friction_joint];
-                motion.displacement(joint.load, 1)? * joint.radius
+                let slip = motion.displacement(joint.load, 1)? * joint.radius;
+                joint.surface.map_or(slip, |surface| slip - motion.size(surface))
             }
+            None => N::constant(0.0),
+        },
+        Output::SurfacePower { friction_joint } => match &loading.friction {
+            Some(friction) => surface_power(motion, &friction.friction_joints[friction_joint])?,
             None => N::constant(0.0),
         },
         Output::Drag { surface } => match &loading.air {
@@ -214,6 +219,13 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Network(output) => motion.network(output)?,
         Output::SmallMotion(output) => small_motion(motion, output)?,
     })
+}
+
+/// Power that moves the surface of the first body of a joint against its friction: 0 without a pin radius.
+#[inline(never)]
+fn surface_power<N: Number, K: Kinematics<N>>(motion: &mut K, joint: &FrictionJoint) -> Result<N, OutputError> {
+    let Some(surface) = joint.surface.filter(|_| joint.radius != 0.0) else { return Ok(N::constant(0.0)) };
+    Ok(motion.state_load(joint.load)? * motion.size(surface) * (1.0 / joint.radius))
 }
 
 /// Eigenfrequency or damping ratio of small motions about the present state.

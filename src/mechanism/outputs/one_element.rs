@@ -173,7 +173,9 @@ impl<N: Reading> View<'_, N> {
         if let Some(at_rest) = self.unconditional() {
             return Ok(at_rest - self.size(drive) * influence);
         }
-        let at_rest = self.equation()?.heading(0.0, sigma, N::constant(0.0))?;
+        let mut equation = self.equation()?;
+        equation.mode.still = true;
+        let at_rest = equation.heading(0.0, sigma, N::constant(0.0))?;
         Ok(at_rest - self.delivered_by(drive) * influence)
     }
 
@@ -187,6 +189,7 @@ impl<N: Reading> View<'_, N> {
         let size = if is_own { self.delivered_by(drive) } else { self.size(drive) };
         let influence = self.influence_of(drive);
         let mut equation = self.equation()?;
+        equation.mode.still = true;
         let at_rest = equation.slope_at_rest(sigma)?;
         let rises = if is_own { equation.slope_of_delivered(drive) } else { N::constant(0.0) };
         Ok(at_rest - size * influence_slope - rises * influence)

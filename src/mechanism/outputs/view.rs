@@ -348,7 +348,9 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         let Forces { free, held, by_stop, .. } = self.forces()?;
         let all = &self.reduced.loading().locks;
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
-        let engages = |lock: usize| engages(reduced, &inputs.locks, state.memory.network_values(), lock);
+        let engages = |lock: usize| {
+            engages(reduced, &inputs.locks, state.memory.network_values(), lock) && state.has_engaged(reduced, lock)
+        };
         let stop = all[lock].stop;
         let travel = &*self.state.travel;
         let holds = |place: &Place| travel.holds(*place, stop);

@@ -31,10 +31,12 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct StateLoads {
     /// Drives whose delivered force the state decides, by their loads: those with an efficiency, then the one with a
-    /// hydraulic circuit, then the loads of the laws of drives.
+    /// hydraulic circuit, then the loads of the laws of drives, then those of the speeds of surfaces, which deliver 0.
     pub drives: Vec<usize>,
     /// How many of them have an efficiency.
     pub efficient: usize,
+    /// How many of them are speeds of surfaces.
+    pub surfaces: usize,
     /// Laws of drives.
     pub laws: Vec<LawLoad>,
     /// Drives with a position gain, by their indices in `laws`.
@@ -137,6 +139,7 @@ impl StateLoads {
             laws.push(LawLoad { drive, at: drives.len(), position, limit });
             drives.extend(law.commands());
         }
+        drives.extend(loading.surfaces.clone());
         let stops = loading.stops.iter().enumerate();
         let bumpers: Vec<usize> = stops.filter(|(_, s)| s.enabled && !s.rigid).map(|(i, _)| i).collect();
         let friction_joints = match &loading.friction {
@@ -168,6 +171,7 @@ impl StateLoads {
         let mut state_loads = Self {
             drives,
             efficient,
+            surfaces: loading.surfaces.len(),
             laws,
             positioned,
             controllers: loading.control_states().count(),

@@ -195,3 +195,65 @@ fn a_delayed_force_is_exchanged() {
     assert!(limited.into_iter().all(|count| count > 0) && stuck > 0 && slopes > 0, "{limited:?} {stuck} {slopes}");
     assert!(events > 2, "{events} events");
 }
+
+/// A block of 3 kg on a slide along x, with these keys of the slide and these elements.
+fn block(slide: &str, elements: &str) -> String {
+    format!(
+        r#"{{ "name": "Block", "bodies": {{ "ground": {{}}, "block": {{ "mass": 3 }} }}, "guess": {{ "slide": 0 }},
+        "joints": {{ "slide": {{ "type": "prismatic", "first": "ground.origin", "second": "block.origin"{slide} }} }},
+        "solver": {{ "tolerance": 1e-12 }}, {elements} }}"#
+    )
+}
+
+/// A latch at a bumper engages at an event, when the bumper pushes hard enough. The block is caught where it leaves the
+/// bumper, until the input releases it.
+#[test]
+fn a_latch_engages_at_an_event() {
+    let text = block(
+        "",
+        r#""stops": { "end": { "joint": "slide", "limit": "lower", "position": 0, "rigid": false, "stiffness": 4000 } },
+        "locks": { "latch": { "stop": "end", "at": "block.origin", "engage": true, "engage_force": 60 } },
+        "start": { "joint": "slide", "position": 0.4, "speed": -0.8 }"#,
+    );
+    let omega = f64::sqrt(4000.0 / 3.0);
+    let engaged = |fmu: &super::Fmu| {
+        let mut value = 0;
+        assert_eq!(fmu.boolean(fmu.vr("latch.engaged"), &mut value), Status::Ok);
+        value == 1
+    };
+    let fmu = started(&text);
+    assert!(!engaged(&fmu));
+    let events = integrate(&fmu, 0.65, 1e-3);
+    // An undamped bumper lets go at the very place where the latch catches.
+    let end = 0.5 + PI / omega;
+    let expected = [0.5, 0.5 + (60.0 / (0.8 * f64::sqrt(4000.0 * 3.0))).asin() / omega, end, end];
+    assert_eq!(events.len(), 4, "{events:?}");
+    events.iter().zip(expected).for_each(|(event, expected)| assert!((event - expected).abs() < 1e-7, "{events:?}"));
+    assert!(engaged(&fmu));
+    let [x, v] = fmu.get(["slide.position", "slide.speed"]);
+    assert!(x.abs() < 1e-12 && v == 0.0, "{x} {v}");
+    assert!(indicators(&fmu).iter().all(|z| *z > 0.0));
+}
+
+/// The borders of viscous friction on a conveyor are events, also where the speed of the belt decides on them.
+#[test]
+fn a_conveyor_is_exchanged() {
+    let text = block(
+        r#", "surface_speed": 1.5"#,
+        r#""gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 }, "friction": { "enabled": true,
+        "static_coefficient": 0.4, "kinetic_coefficient": 0.2, "static_speed": 0.1, "kinetic_speed": 0.6 },
+        "start": { "joint": "slide", "position": 0 }"#,
+    );
+    let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
+    run.initialize().unwrap();
+    let mut count = 0;
+    for _ in 0..10 {
+        count += integrate(&fmu, 0.1, 1e-3).len();
+        run.step(0.1).unwrap();
+        for name in ["slide.position", "slide.speed", "slide.slip_speed", "slide.surface_power"] {
+            let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());
+            assert!((value - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{name}: {value} {exact}");
+        }
+    }
+    assert_eq!(count, 2);
+}

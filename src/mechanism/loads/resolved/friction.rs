@@ -1,9 +1,9 @@
 //! The joints with friction, each with its law.
 //!
 //! In: a definition and its linkage. Out: friction joints with their loads. It must not know the state.
-use super::Loading;
 use super::couplings::{Mesh, pressure_angles};
 use super::ends::joint_load;
+use super::{Loading, surface_speed};
 use crate::mechanism::definition::{CouplingKind, DefinitionError, Friction, FrictionLaw, Mechanism};
 use crate::mechanism::linkage::{Freedom, Kind, Linkage, Second};
 use crate::mechanism::loads::laws::friction::{Cubic, Law, Regime};
@@ -97,6 +97,9 @@ pub struct FrictionJoint {
     pub back: f64,
     /// Coefficient of friction over slip speed.
     pub law: Law,
+    /// Index of the input that is the speed of the surface of the first body [m/s], which the slip speed is relative
+    /// to; none where the surface is fixed to the first body.
+    pub surface: Option<usize>,
 }
 
 impl FrictionJoint {
@@ -163,7 +166,7 @@ impl Loading {
             let (joint, index) = (coupling.joint, self.loads.len());
             let backward = defined.backward_efficiency.unwrap_or(efficiency);
             let (kind, (law, back)) = (FrictionKind::Coupling, loss(efficiency, backward));
-            friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law });
+            friction_joints.push(FrictionJoint { joint, load: index, radius, kind, back, law, surface: None });
             self.loads.push(load);
         }
         Ok(())
@@ -184,7 +187,15 @@ impl Loading {
             }
             let (joint, load, kind) = (mechanism.joints.len() + coupling, self.loads.len(), FrictionKind::Teeth);
             let tangent = angle.tan();
-            friction_joints.push(FrictionJoint { joint, load, radius: -tangent, kind, back: 1.0, law: ANY_SLIP });
+            friction_joints.push(FrictionJoint {
+                joint,
+                load,
+                radius: -tangent,
+                kind,
+                back: 1.0,
+                law: ANY_SLIP,
+                surface: None,
+            });
             self.meshes.push(Mesh { joint, loads: [load; 2], tangent });
             self.loads.push(Load::Separation { coupling, lean: 0.0 });
         }
@@ -204,7 +215,7 @@ impl Loading {
             let (joint, load, kind) =
                 (linkage.joints.len() + drive, self.loads.len(), FrictionKind::Screw { drive, rotor });
             let (law, back) = loss(defined.efficiency.unwrap_or(1.0), 0.0);
-            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law, surface: None });
             self.loads.push(self.loads[drive].along().clone());
         }
         Ok(())
@@ -221,7 +232,15 @@ impl Loading {
             let Some(size) = defined.frictionloss else { continue };
             check_law(mechanism, "a joint with constant friction", format_args!("joints.{name}.frictionloss"))?;
             let (load, kind) = (self.loads.len(), FrictionKind::Constant(size));
-            friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back: 1.0, law: coulomb(1.0) });
+            friction_joints.push(FrictionJoint {
+                joint,
+                load,
+                radius: 1.0,
+                kind,
+                back: 1.0,
+                law: coulomb(1.0),
+                surface: None,
+            });
             self.loads.push(joint_load(linkage, joint, 0.0));
         }
         Ok(())
@@ -258,7 +277,14 @@ impl Loading {
             };
             let own = [defined.static_coefficient, defined.kinetic_coefficient];
             let (load, law) = (self.loads.len(), law(format_args!("joints.{name}"), own)?);
-            friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law });
+            let input = defined.surface_speed.map(|_| surface_speed(name));
+            if input.is_some() && sticks {
+                let message = "needs a friction law without sticking, but friction.law = \"stick\": write \"law\": \
+                               \"viscous\" with a small static_speed in friction, or remove this key";
+                return Err(DefinitionError::key(format_args!("joints.{name}.surface_speed"), message));
+            }
+            let surface = input.and_then(|input| self.inputs.iter().position(|name| *name == input));
+            friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law, surface });
             self.loads.push(joint_load(linkage, joint, 0.0));
         }
         for (coupling, (name, defined)) in mechanism.couplings.iter().enumerate() {
@@ -266,7 +292,7 @@ impl Loading {
             if own != [None; 2] {
                 let (joint, load, law) =
                     (mechanism.joints.len() + coupling, self.loads.len(), law(format_args!("couplings.{name}"), own)?);
-                friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law });
+                friction_joints.push(FrictionJoint { joint, load, radius: 1.0, kind, back, law, surface: None });
                 self.loads.push(Load::Rub { coupling });
             }
         }

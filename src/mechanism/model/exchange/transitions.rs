@@ -3,7 +3,7 @@
 //! In: the states at the last event and now. Out: values of indicators, the next transition. It must not know how a
 //! transition is made.
 use crate::mechanism::loads::resolved::DriveLaw;
-use crate::mechanism::motion::contact::{Place, outward};
+use crate::mechanism::motion::contact::{Ends, Place, outward};
 use crate::mechanism::motion::state::State;
 use crate::mechanism::outputs::{Kinematics, OutputError, View};
 use crate::mechanism::quantity::{Curve, Indicator};
@@ -26,6 +26,8 @@ pub enum Transition {
     Arrive(Place),
     /// Nothing holds the mechanism at its place any longer.
     Release(Place),
+    /// The stop of a place pushes so hard that the lock there engages.
+    Engage(Place),
     /// A bumper begins to push.
     Touch(usize),
     /// A bumper would pull.
@@ -45,6 +47,30 @@ fn bumper(view: &mut View<f64>, bumper: usize) -> Result<f64, OutputError> {
     let (state, mut equation) = (view.state, view.equation()?);
     let (beyond, push) = equation.bumper_push(bumper, state.sigma, state.sigma_dot);
     Ok(if state.contact.touching().contains(bumper) { push } else { -beyond.min(push) })
+}
+
+/// How far the force of the stop at a place is beyond that at which a lock that waits there engages; none without such
+/// a lock or without contact.
+fn press(view: &mut View<f64>, ends: &Ends, place: Place) -> Result<Option<f64>, OutputError> {
+    let (least, contact) = (ends.engages_at(place), view.state.contact);
+    Ok(match place.bumper {
+        _ if !least.is_finite() => None,
+        Some(k) if contact.touching().contains(k) => Some(bumper(view, k)? - least),
+        None if contact.at_rest() == Some(place) => Some(view.forces()?.free * place.outward() - least),
+        _ => None,
+    })
+}
+
+/// The first place at which a lock that waits for the force of the stop is to engage.
+fn pressed(view: &mut View<f64>, locks: &[bool]) -> Result<Option<Place>, OutputError> {
+    let state = view.state;
+    let ends = state.ends(view.reduced, locks);
+    for (place, _) in state.travel.places().filter(|(place, _)| ends.locked.waiting.contains(*place)) {
+        if press(view, &ends, place)?.is_some_and(|excess| excess > 0.0) {
+            return Ok(Some(place));
+        }
+    }
+    Ok(None)
 }
 
 /// Place of the bumper at which a lock catches the mechanism, the nearer one of the two.
@@ -81,6 +107,15 @@ pub fn value_of(
         },
         Indicator::Lock(lock) => {
             let stop = loading.locks[lock].stop;
+            if !state.has_engaged(view.reduced, lock) {
+                let ends = state.ends(view.reduced, locks);
+                for (place, _) in state.travel.places().filter(|(place, _)| state.travel.holds(*place, stop)) {
+                    if let Some(excess) = press(view, &ends, place)? {
+                        return Ok(PRESS_SHIFT - excess);
+                    }
+                }
+                return Ok(ABSENT);
+            }
             let place = place_of_lock(state, stop, x).filter(|_| locks[lock]);
             place.map_or(ABSENT, |(place, position)| shift - beyond(x, position, place.side))
         }
@@ -115,7 +150,8 @@ pub fn value_of(
                 let joint = &friction.friction_joints[joint];
                 let border = if kinetic { joint.law.kinetic_speed } else { joint.law.static_speed };
                 let (table, position) = view.reduced.displacement_around(joint.load, state.sigma)?;
-                (table.value(position, 1) * v * joint.radius).abs() - border
+                let surface = joint.surface.map_or(0.0, |surface| view.size(surface));
+                (table.value(position, 1) * v * joint.radius - surface).abs() - border
             }
             _ => ABSENT,
         },
@@ -192,6 +228,9 @@ pub fn transition(
     if state.contact.is_latched() {
         return Ok(None);
     }
+    if let Some(place) = pressed(view, locks.unwrap_or_default())? {
+        return Ok(Some(Transition::Engage(place)));
+    }
     if let Some(place) = state.contact.at_rest() {
         let forces = view.forces()?;
         if forces.held.is_none() {
@@ -205,8 +244,10 @@ pub fn transition(
                 return Ok(Some(Transition::Arrive(Place::rigid(side))));
             }
         }
-        let engaged = locks.map_or(&[][..], |locks| locks);
-        for (lock, _) in view.reduced.loading().locks.iter().zip(engaged).filter(|(_, engaged)| **engaged) {
+        let engaged = locks.unwrap_or_default();
+        let reduced = view.reduced;
+        let locks = reduced.loading().locks.iter().zip(engaged).enumerate();
+        for (_, (lock, _)) in locks.filter(|(index, (_, is_on))| **is_on && state.has_engaged(reduced, *index)) {
             if let Some((place, position)) = place_of_lock(state, lock.stop, x)
                 && last[0] != position
                 && (last[0] - position) * (x - position) <= 0.0

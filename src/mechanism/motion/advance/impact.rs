@@ -24,8 +24,9 @@ where
     /// A mechanism that sets out outward from the place where a bumper begins presses that bumper from the start.
     #[inline(always)]
     pub(super) fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
-        for bumper in 0..self.ends.bumpers() {
-            for side in (0..2).filter(|&side| self.ends.bumper(side, bumper) == Some(z[0])) {
+        let ends = self.ends;
+        for bumper in 0..ends.bumpers() {
+            for side in (0..2).filter(|&side| ends.bumper(side, bumper) == Some(z[0])) {
                 if self.contact.touching().contains(bumper) {
                     continue;
                 }
@@ -164,6 +165,30 @@ where
         self.contact.rests(place, locked && self.ends.is_fast(place));
         if let Some((stop, _)) = self.ends.travel.stop(place) {
             self.tell(if locked { What::Caught { stop } } else { What::Rests { stop } });
+        }
+    }
+
+    /// A lock that waits at a place engages, by the force of the stop there.
+    #[cold]
+    pub(super) fn engage(&mut self, place: Place) {
+        self.contact.engages(place);
+        self.ends.locked = self.ends.locked.engaging(place);
+        self.contact.locks_set(&self.ends);
+        if let Some((stop, _)) = self.ends.travel.stop(place) {
+            self.tell(What::Engages { stop });
+        }
+    }
+
+    /// Locks that wait at bumpers engage which push harder than the locks ask from the start, as by their dampers.
+    #[cold]
+    pub(super) fn engage_pressed(&mut self, z: &[f64; N]) {
+        let touching = self.contact.touching();
+        for bumper in (0..self.ends.bumpers()).filter(|bumper| touching.contains(*bumper)) {
+            let place = Place::of_bumper(0, bumper);
+            let (_, push) = self.dynamics.bumper_push(bumper, z[0], z[1]);
+            if push > self.ends.engages_at(place) {
+                self.engage(place);
+            }
         }
     }
 

@@ -1,7 +1,7 @@
 //! Location of an event found in a step: on the interpolant where that is exact, else by a step that ends at the event.
 //!
 //! In: a step, an event on its interpolant. Out: the step that ends at the event. It must not know what moves.
-use super::Advance;
+use super::{Advance, BEYOND_KNOT};
 use crate::integrator::{Dense, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
@@ -13,6 +13,8 @@ const RESOLVED: f64 = 0.01;
 const NEGLIGIBLE: f64 = 1e-6;
 /// Part of the scales below which an error is rounding, of Newton's method and of friction among others.
 const ROUNDING: f64 = 1e-12;
+/// Part of a step before which no knot may be passed.
+const FARTHEST_KNOT: f64 = 0.8;
 /// Steps in a row that may be taken again because they are too coarse.
 const MOST_REFINEMENTS: u32 = 20;
 
@@ -51,13 +53,30 @@ where
         ratio(0).max(ratio(1))
     }
 
+    /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
+    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
+    #[inline(always)]
+    pub(super) fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
+        let is_knot = match found.event {
+            Event::Knot(_) => true,
+            Event::Border(border) => self.dynamics.is_kink(border),
+            _ => false,
+        };
+        (is_knot && found.part < FARTHEST_KNOT).then_some(step.t + BEYOND_KNOT * found.part * step.h)
+    }
+
     /// Locate an event: on the interpolant if that is exact, or by a step that ends there, which is returned: at the
     /// place of a stop to the last digit, near a knot, whose kink the interpolant has within it.
     #[inline(always)]
     pub(super) fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
         let is_smooth = matches!(
             found.event,
-            Event::Regime(_) | Event::Bumper(_) | Event::Reversal | Event::Border(_) | Event::Switch(_)
+            Event::Regime(_)
+                | Event::Bumper(_)
+                | Event::Engages(_)
+                | Event::Reversal
+                | Event::Border(_)
+                | Event::Switch(_)
         );
         // The lock is to change at the same time in communication steps of any size.
         let is_level = matches!(found.event, Event::Level(_));
@@ -104,12 +123,13 @@ where
     fn polish(&mut self, step: &Step<N>, found: &Found<N>, dense: &Dense<N>, shorter: &mut Step<N>) {
         /// Part of the time to the event over which the first slope is taken.
         const DIFFERENCE: f64 = 1e-3;
-        let Self { dynamics, integrator, contact, .. } = self;
+        let Self { dynamics, integrator, ends, contact, .. } = self;
+        let around = (&*ends, &**contact);
         let width = DIFFERENCE * found.part;
         let [before, at] = [found.part - width, found.part]
-            .map(|part| excess(*dynamics, contact, found.event, step.t + part * step.h, &dense.at(part)));
+            .map(|part| excess(dynamics, around, found.event, step.t + part * step.h, &dense.at(part)));
         let mut slope = (at - before) / (width * step.h);
-        let mut miss = excess(*dynamics, contact, found.event, step.t + shorter.h, &shorter.end);
+        let mut miss = excess(dynamics, around, found.event, step.t + shorter.h, &shorter.end);
         for _ in 0..8 {
             let correction = -miss / slope;
             let next = shorter.h + correction;
@@ -119,7 +139,7 @@ where
             }
             let end = integrator.retake(*dynamics, step, next);
             self.progress.work.extra += 1;
-            let after = excess(*dynamics, contact, found.event, step.t + end.h, &end.end);
+            let after = excess(dynamics, around, found.event, step.t + end.h, &end.end);
             let secant = (after - miss) / (end.h - shorter.h);
             if secant.is_finite() && secant != 0.0 {
                 slope = secant;

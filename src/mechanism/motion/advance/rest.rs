@@ -23,7 +23,7 @@ impl EquationOfMotion<'_> {
     fn switching_inputs(&self) -> impl Iterator<Item = [f64; 3]> {
         let drives = &self.reduced.loading().drives;
         self.applied.change.iter().flat_map(move |change| {
-            let of = |load: usize| [self.applied.sizes[load], change.first[load], change.second[load]];
+            let of = |load: usize| self.applied.rates(load);
             let at_rest = move |state_loads: &StateLoads, drive: usize| {
                 let law = state_loads.laws.iter().position(|law| law.drive == drive);
                 match (law, &drives[drive].law) {
@@ -32,6 +32,13 @@ impl EquationOfMotion<'_> {
                 }
             };
             let deciding = self.state_loads.into_iter();
+            let surfaces = deciding.clone().flat_map(|own| own.friction_joints.iter());
+            let beyond_borders =
+                surfaces.filter_map(|own| Some((own.law, own.surface?))).flat_map(move |(law, surface)| {
+                    let [speed, first, second] = of(surface);
+                    let borders = [-law.kinetic_speed, -law.static_speed, law.static_speed, law.kinetic_speed];
+                    borders.map(|border| [speed - border, first, second])
+                });
             let efficient = deciding.clone().flat_map(|own| own.drives[..own.efficient].iter().map(move |k| (own, *k)));
             let limits = deciding.flat_map(|own| own.limits.iter().map(move |limit| (own, *limit)));
             let beyond_limits = limits.map(move |(own, (law, side))| {
@@ -42,7 +49,7 @@ impl EquationOfMotion<'_> {
             });
             let [first, second] = change.airspeed;
             let air = self.scratch.air.then_some([self.applied.airspeed, first, second]);
-            efficient.map(move |(own, drive)| at_rest(own, drive)).chain(beyond_limits).chain(air)
+            efficient.map(move |(own, drive)| at_rest(own, drive)).chain(beyond_limits).chain(air).chain(beyond_borders)
         })
     }
 }
@@ -67,9 +74,14 @@ where
         }
         let grip = self.grip();
         if self.is_held(place, sigma)? {
-            let inward = -place.outward();
-            if !self.wait_until(z, span, [inward; 2])? {
+            let (inward, least) = (-place.outward(), self.ends.engages_at(place));
+            let engages = least.is_finite() && self.press(place, sigma)? > least;
+            if !engages && !self.wait_until(z, span, [[inward, grip], [-inward, least]])? {
                 return Ok(Instant::Held);
+            }
+            if least.is_finite() && self.press(place, sigma)? > 0.0 {
+                self.engage(place);
+                return if self.pauses() { Err(Stopped::Event(self.progress)) } else { Ok(Instant::Changed) };
             }
             if self.pauses() {
                 return Err(Stopped::Event(self.progress));
@@ -105,7 +117,7 @@ where
     /// Held at rest by drives with an efficiency or by friction, until the loads overcome them in one direction.
     #[inline(always)]
     pub(super) fn wait_at_rest(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
-        if !self.wait_until(z, span, [1.0, -1.0])? {
+        if !self.wait_until(z, span, [[1.0, 0.0], [-1.0, 0.0]])? {
             return Ok(Instant::Held);
         }
         self.jumped();
@@ -118,8 +130,9 @@ where
         Ok(Instant::Changed)
     }
 
-    /// Go on in time, at rest, to where the mechanism sets off in one of these directions under inputs that change with
-    /// time; false if it does not before the end of the span.
+    /// Go on in time, at rest, to where the mechanism sets off in one of two directions under inputs that change with
+    /// time, or would do so by more than a generalised force, the second number; false if it does not before the end of
+    /// the span.
     ///
     /// At rest without friction that sticks the acceleration is a parabola in time for either direction of the drives,
     /// or a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
@@ -127,14 +140,14 @@ where
     /// with it the quartic is that through five values of each of some pieces, and what it finds is located on the
     /// acceleration itself.
     #[inline(never)]
-    fn wait_until(&mut self, z: &mut [f64; N], span: f64, directions: [f64; 2]) -> Result<bool, Stopped> {
+    fn wait_until(&mut self, z: &mut [f64; N], span: f64, ways: [[f64; 2]; 2]) -> Result<bool, Stopped> {
         const CLOSE: f64 = 1e-15;
         /// Least number of pieces of a span with friction that sticks.
         const PIECES: f64 = 8.0;
         let sigma = z[0];
-        let directions = if directions[0] == directions[1] { &directions[..1] } else { &directions[..] };
+        let ways = if ways[1][1].is_finite() { &ways[..] } else { &ways[..1] };
         if Self::EVOLVES_AT_REST {
-            return self.go_on_at_rest(z, span, directions);
+            return self.go_on_at_rest(z, span, ways);
         }
         if self.dynamics.applied.change.is_none() {
             return Ok(false);
@@ -145,11 +158,11 @@ where
         while a < span {
             let b = self.next_switch(a, span).min(a + longest);
             let mut first = None;
-            for direction in directions {
-                let (grip, dynamics) = (self.grip(), &mut *self.dynamics);
+            for [direction, least] in ways {
+                let dynamics = &mut *self.dynamics;
                 let excess = |t: f64| {
                     dynamics.time = t;
-                    Ok::<f64, Locked>(dynamics.setting_off(sigma, *direction)? * direction - grip)
+                    Ok::<f64, Locked>(dynamics.setting_off(sigma, *direction)? * direction - least)
                 };
                 let rise = first_rise_of_quartic(excess, [a, b], CLOSE * (span - from))?;
                 first = [first, rise].into_iter().flatten().reduce(f64::min);
@@ -164,12 +177,12 @@ where
         Ok(false)
     }
 
-    /// Integrate what goes on at rest, to where the mechanism sets off in one of these directions; false if it does not
+    /// Integrate what continues at rest, to where the mechanism sets off in one of these ways; false if it does not
     /// before the end of the span.
     #[cold]
-    fn go_on_at_rest(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
+    fn go_on_at_rest(&mut self, z: &mut [f64; N], span: f64, ways: &[[f64; 2]]) -> Result<bool, Stopped> {
         self.dynamics.set_held::<N>(true);
-        let went = self.hold(z, span, directions);
+        let went = self.hold(z, span, ways);
         self.dynamics.set_held::<N>(false);
         if matches!(went, Err(Stopped::Integration(_))) && take(&mut self.dynamics.locked) {
             return Err(Stopped::Locked);
@@ -178,7 +191,7 @@ where
     }
 
     /// [`Self::go_on_at_rest`] with the mechanism held.
-    fn hold(&mut self, z: &mut [f64; N], span: f64, directions: &[f64]) -> Result<bool, Stopped> {
+    fn hold(&mut self, z: &mut [f64; N], span: f64, ways: &[[f64; 2]]) -> Result<bool, Stopped> {
         // The linear equations of an implicit step would leave the speed its rounding.
         let rest = [z[0], z[1]];
         while self.progress.t < span {
@@ -190,7 +203,7 @@ where
             let is_cut = kink < span;
             let end = if is_cut { kink } else { span };
             let step = self.integrator.step(self.dynamics, t, z, end, self.tolerance).map_err(Stopped::Integration)?;
-            let sets_off = self.sets_off(t + step.h, &step.end, directions)?;
+            let sets_off = self.sets_off(t + step.h, &step.end, ways)?;
             let levels = 0..self.dynamics.levels::<N>();
             let may_pass = levels.clone().any(|level| may_pass_level(self.dynamics, level, &step));
             let dense = if sets_off || may_pass { Some(self.integrator.dense(self.dynamics, &step)) } else { None };
@@ -200,7 +213,7 @@ where
             });
             let mut end = 1.0;
             if let (Some(dense), Some((part, level))) = (&dense, level) {
-                if !self.sets_off(t + part * step.h, &dense.at(part), directions)? {
+                if !self.sets_off(t + part * step.h, &dense.at(part), ways)? {
                     let found = Found { part, state: dense.at(part), event: Event::Level(level) };
                     let shorter = self.locate(&step, &found, Some(dense)).unwrap_or(step);
                     *z = shorter.end;
@@ -222,7 +235,7 @@ where
             let mut locked = false;
             let [_, part] = bisect(
                 |part| {
-                    let off = self.sets_off(t + part * step.h, &dense.at(part), directions);
+                    let off = self.sets_off(t + part * step.h, &dense.at(part), ways);
                     locked |= off.is_err();
                     off != Ok(false)
                 },
@@ -232,7 +245,7 @@ where
             if locked {
                 return Err(Stopped::Locked);
             }
-            let end = self.step_to_set_off(&step, &dense, part, span, directions)?;
+            let end = self.step_to_set_off(&step, &dense, part, span, ways)?;
             *z = end.end;
             z[..2].copy_from_slice(&rest);
             self.progress.t += end.h;
@@ -250,7 +263,7 @@ where
         dense: &Dense<N>,
         part: f64,
         span: f64,
-        directions: &[f64],
+        ways: &[[f64; 2]],
     ) -> Result<Step<N>, Locked> {
         /// Part of the time to the instant over which the first slope is taken.
         const DIFFERENCE: f64 = 1e-3;
@@ -261,7 +274,7 @@ where
         let close = CLOSE * span;
         let mut h = part * step.h;
         let mut before = part * (1.0 - DIFFERENCE);
-        let mut miss_before = self.excess_from_rest(step.t + before * step.h, &dense.at(before), directions)?;
+        let mut miss_before = self.excess_from_rest(step.t + before * step.h, &dense.at(before), ways)?;
         before *= step.h;
         for _ in 0..8 {
             if !(h > close && h < step.h) {
@@ -269,7 +282,7 @@ where
             }
             let end = self.integrator.retake(self.dynamics, step, h);
             self.progress.work.extra += 1;
-            let miss = self.excess_from_rest(step.t + h, &end.end, directions)?;
+            let miss = self.excess_from_rest(step.t + h, &end.end, ways)?;
             let next = h - miss * (h - before) / (miss - miss_before);
             let is_within = next > 0.0 && next < step.h && (next - h).abs() < 0.1 * step.h;
             if !is_within || (next - h).abs() <= close {
@@ -281,7 +294,7 @@ where
         loop {
             self.progress.work.extra += 1;
             let end = if h < step.h { self.integrator.retake(self.dynamics, step, h) } else { *step };
-            if h >= step.h || self.sets_off(step.t + h, &end.end, directions)? {
+            if h >= step.h || self.sets_off(step.t + h, &end.end, ways)? {
                 return Ok(end);
             }
             h += longer;
@@ -289,21 +302,26 @@ where
         }
     }
 
-    /// Whether a mechanism at rest sets off in one of these directions.
-    fn sets_off(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<bool, Locked> {
-        Ok(self.excess_from_rest(t, z, directions)? > 0.0)
+    /// Whether a mechanism at rest sets off in one of these ways.
+    fn sets_off(&mut self, t: f64, z: &[f64; N], ways: &[[f64; 2]]) -> Result<bool, Locked> {
+        Ok(self.excess_from_rest(t, z, ways)? > 0.0)
     }
 
-    /// The largest acceleration with which a mechanism at rest would set off in one of these directions, less what a
-    /// lock holds; below 0: none.
-    fn excess_from_rest(&mut self, t: f64, z: &[f64; N], directions: &[f64]) -> Result<f64, Locked> {
+    /// The largest acceleration with which a mechanism at rest would set off in one of these directions, less the
+    /// generalised force of the way; below 0: none.
+    fn excess_from_rest(&mut self, t: f64, z: &[f64; N], ways: &[[f64; 2]]) -> Result<f64, Locked> {
         self.dynamics.time = t;
         self.dynamics.set_state(z);
         let mut most = f64::NEG_INFINITY;
-        for &direction in directions {
-            most = most.max(self.dynamics.setting_off(z[0], direction)? * direction);
+        for &[direction, least] in ways {
+            most = most.max(self.dynamics.setting_off(z[0], direction)? * direction - least);
         }
-        Ok(most - self.grip())
+        Ok(most)
+    }
+
+    /// Generalised force with which the loads press a mechanism at rest against the rigid stop of a place.
+    fn press(&mut self, place: Place, sigma: f64) -> Result<f64, Locked> {
+        Ok(self.dynamics.setting_off(sigma, place.outward())? * place.outward())
     }
 
     /// The first time after `t`, at most `span`, at which an input passes 0 whose sign decides a law at rest.

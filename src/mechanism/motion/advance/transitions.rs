@@ -3,6 +3,7 @@
 //! In: a state, an event. Out: the state, the contact and the mode that follow. It must not know how a step is made.
 use super::{Advance, Stopped};
 use crate::integrator::System;
+use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::events::Event;
@@ -51,6 +52,9 @@ where
             }
             self.dynamics.mode.touching = self.contact.touching();
             self.progress.is_settled = true;
+            if self.ends.locked.waiting.bumpers != BumperSet::EMPTY {
+                self.engage_pressed(z);
+            }
         }
         if let Some(state_loads) = self.dynamics.deciding::<N>() {
             if settles {
@@ -85,6 +89,7 @@ where
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
+                self.dynamics.time = self.progress.t;
                 self.dynamics.change_regime(joint, z[0], z[1]);
                 self.tell(What::Regime { joint, regime: self.dynamics.regime(joint) });
                 self.progress.held = at_once.then_some(event);
@@ -113,6 +118,12 @@ where
                     self.tell(What::Left { stop: self.ends.travel.bumpers[bumper].stop });
                 } else {
                     self.touched(bumper);
+                }
+            }
+            Event::Engages(bumper) => {
+                self.engage(Place::of_bumper(0, bumper));
+                if self.pauses() {
+                    return Err(Stopped::Event(self.progress));
                 }
             }
             Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {

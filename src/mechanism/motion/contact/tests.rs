@@ -10,7 +10,11 @@ fn travel() -> Travel {
     Travel { rigid: [rigid(0.0, 0), rigid(1.0, 1)], bumpers, beside: vec![(1, 3)], ..Travel::default() }
 }
 
-const NONE: EngagedLocks = EngagedLocks { rigid: [false; 2], bumpers: BumperSet::EMPTY };
+const NONE: EngagedLocks = EngagedLocks {
+    rigid: [false; 2],
+    bumpers: BumperSet::EMPTY,
+    waiting: Places { rigid: [false; 2], bumpers: BumperSet::EMPTY },
+};
 
 fn ends(travel: &Travel, locked: EngagedLocks) -> Ends<'_> {
     Ends::new(travel, 0.0, locked)
@@ -38,7 +42,7 @@ fn rest_changes_as_the_table_has_it() {
     let travel = travel();
     let places = [Place::rigid(0), Place::rigid(1), Place::of_bumper(1, 0)];
     for (n, &place) in places.iter().enumerate() {
-        let only = |k: usize| EngagedLocks { rigid: [k == 0, k == 1], bumpers: BumperSet::of(1, |_| k == 2) };
+        let only = |k: usize| EngagedLocks { rigid: [k == 0, k == 1], bumpers: BumperSet::of(1, |_| k == 2), ..NONE };
         let start = Contact::at_start(Some(place));
         assert_eq!((rest(&Contact::at_start(None)), rest(&start)), (Is::Free, Is::Resting(place)));
         for touching in [false, true] {

@@ -1,11 +1,11 @@
-//! Pushes of bumpers, and where they start or end.
+//! Pushes of bumpers, and where they start, end or exceed a force.
 //!
 //! In: an equation of motion, the interpolant of a step. Out: pushes with bounds, where a bumper starts or ceases to
 //! push. It must not know the places of stops.
 use super::REGIME_TOLERANCE;
 use crate::integrator::Dense;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
-use crate::numerics::bracket::bisect;
+use crate::numerics::bracket::{bisect, false_position};
 use crate::numerics::enclosure::Enclosure;
 use crate::numerics::passage::Bounded;
 use crate::numerics::table::polynomial;
@@ -74,4 +74,26 @@ pub(super) fn passage_of_bumper<const N: usize>(
         }
     }
     Bounded { f, bounds, locate }.first_rise(start, PARTS)
+}
+
+/// Part of a step after which a bumper pushes harder than a force.
+#[cold]
+pub(super) fn passage_of_push<const N: usize>(
+    dynamics: &mut EquationOfMotion<'_>,
+    bumper: usize,
+    least: f64,
+    dense: &Dense<N>,
+) -> Option<f64> {
+    const PARTS: usize = 12;
+    let dynamics = &RefCell::new(dynamics);
+    let push = |s: f64| dynamics.borrow_mut().bumper_push(bumper, dense.component(0, s), dense.component(1, s)).1;
+    let f = |s: f64| push(s) - least;
+    let motion = dense.bounded([0, 1]);
+    let bounds = |a: f64, b: f64| {
+        dynamics.borrow().bumper_bounds(bumper, motion.enclosures([a, b]))[1] + Enclosure::constant(-least)
+    };
+    let locate =
+        |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
+    // At the start the bumper does not push so hard, but for rounding.
+    Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
 }

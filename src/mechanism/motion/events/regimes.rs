@@ -6,13 +6,13 @@ use super::REGIME_TOLERANCE;
 use crate::integrator::{Dense, Step};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::numerics::bracket::false_position;
-use crate::numerics::enclosure::Enclosure;
+use crate::numerics::enclosure::{Enclosure, Interval};
 use crate::numerics::passage::Bounded;
 use crate::numerics::table::{TablePosition, polynomial};
 use std::cell::RefCell;
 
 impl EquationOfMotion<'_> {
-    /// Slip speed of a joint [m/s].
+    /// Slip speed of a joint at the time of the equation [m/s].
     pub fn slip(&mut self, joint: usize, sigma: f64, sigma_dot: f64) -> f64 {
         // Needed at the ends of steps and between them, it leaves the present panel as it is.
         let x = if self.reduced.exact { Some(self.locate(sigma)) } else { None };
@@ -23,14 +23,22 @@ impl EquationOfMotion<'_> {
         } else {
             self.component(component, sigma)
         };
-        influence * sigma_dot * state_loads.friction_joints[joint].radius
+        let friction_joint = &state_loads.friction_joints[joint];
+        let surface = friction_joint.surface.map_or(0.0, |surface| self.applied.size(surface, self.time));
+        influence * sigma_dot * friction_joint.radius - surface
     }
 
-    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of sigma and sigma_dot.
-    fn slip_bounds(&self, joint: usize, [sigma, sigma_dot]: [Enclosure; 2]) -> Enclosure {
+    /// Bounds of the slip speed of a joint [m/s] along a part of a step with these bounds of time, sigma and
+    /// sigma_dot.
+    fn slip_bounds(&self, joint: usize, [time, sigma, sigma_dot]: [Enclosure; 3]) -> Enclosure {
         let Some(state_loads) = self.state_loads else { return Enclosure::constant(0.0) };
         let influence = sigma.chain(self.component_bounds(state_loads.free() + joint, sigma.value, 0.0));
-        influence * sigma_dot * state_loads.friction_joints[joint].radius
+        let friction_joint = &state_loads.friction_joints[joint];
+        let slip = influence * sigma_dot * friction_joint.radius;
+        friction_joint.surface.map_or(slip, |surface| {
+            let [speed, first, second] = self.applied.rates(surface).map(Enclosure::constant);
+            slip + -(speed + time * (first + time * second * 0.5))
+        })
     }
 
     /// sigma with its position in the table, for [`Self::slip_rate`], the same for all joints.
@@ -41,12 +49,17 @@ impl EquationOfMotion<'_> {
         (sigma, table.map_or(TablePosition { panel: 0, x: 0.0 }, position))
     }
 
-    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these sigma_dot and sigma_ddot.
-    fn slip_rate(&self, joint: usize, (at, [sigma_dot, sigma_ddot]): SlipEnd) -> [f64; 2] {
+    /// Slip speed of a joint [m/s] and its rate [m/s2], at a position and these time, sigma_dot and sigma_ddot.
+    fn slip_rate(&self, joint: usize, (at, [t, sigma_dot, sigma_ddot]): SlipEnd) -> [f64; 2] {
         let ((_, Some(state_loads)), at) = (self.stretch_at(at.0), at.1) else { return [0.0; 2] };
         let [influence, slope] = state_loads.table.value_and_slope(at, state_loads.free() + joint);
         let rate = slope * sigma_dot * sigma_dot + influence * sigma_ddot;
-        [influence * sigma_dot, rate].map(|v| v * state_loads.friction_joints[joint].radius)
+        let friction_joint = &state_loads.friction_joints[joint];
+        let slip = [influence * sigma_dot, rate].map(|v| v * friction_joint.radius);
+        friction_joint.surface.map_or(slip, |surface| {
+            let [speed, first, second] = self.applied.rates(surface);
+            [slip[0] - (speed + t * (first + 0.5 * t * second)), slip[1] - (first + t * second)]
+        })
     }
 
     /// Least and largest slip speed of the regime in which a joint is [m/s].
@@ -56,27 +69,30 @@ impl EquationOfMotion<'_> {
         self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
     }
 
-    /// How far the slip speed of a joint is beyond the range of its regime [m/s].
-    pub(super) fn excess_of_slip(&mut self, joint: usize, [sigma, sigma_dot]: [f64; 2]) -> f64 {
+    /// How far the slip speed of a joint is beyond the range of its regime at a time of the span [m/s].
+    pub(super) fn excess_of_slip(&mut self, joint: usize, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
+        self.time = t;
         let ((low, high), v) = (self.slip_range(joint), self.slip(joint, sigma, sigma_dot));
         (low - v).max(v - high)
     }
 }
 
-/// sigma at an end of a step with its position in the table, and sigma_dot and sigma_ddot there.
-type SlipEnd = ((f64, TablePosition), [f64; 2]);
+/// sigma at an end of a step with its position in the table, and time, sigma_dot and sigma_ddot there.
+type SlipEnd = ((f64, TablePosition), [f64; 3]);
 
 /// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
 pub(super) struct SlipBounds {
     h: f64,
-    /// Position, sigma_dot and sigma_ddot at the start and at the end; none where the step has no rates.
+    /// Position, time, sigma_dot and sigma_ddot at the start and at the end; none where the step has no rates.
     ends: Option<[SlipEnd; 2]>,
 }
 
 impl SlipBounds {
     pub fn new<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> Self {
-        let end = |y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [y[1], f[1]]);
-        Self { h: step.h, ends: step.rates().map(|[first, last]| [end(&step.start, first), end(&step.end, last)]) }
+        let end = |t: f64, y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [t, y[1], f[1]]);
+        let ends =
+            |[first, last]: [&[f64; N]; 2]| [end(step.t, &step.start, first), end(step.t + step.h, &step.end, last)];
+        Self { h: step.h, ends: step.rates().map(ends) }
     }
 
     /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
@@ -100,15 +116,20 @@ impl SlipBounds {
 pub(super) fn passage_of_slip<const N: usize>(
     dynamics: &mut EquationOfMotion<'_>,
     joint: usize,
+    step: &Step<N>,
     dense: &Dense<N>,
 ) -> Option<f64> {
     const PARTS: usize = 8;
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
-    let f = |s: f64| dynamics.borrow_mut().excess_of_slip(joint, [0, 1].map(|n| dense.component(n, s)));
+    let time = |s: f64| step.t + s * step.h;
+    let f =
+        |s: f64| dynamics.borrow_mut().excess_of_slip(joint, [time(s), dense.component(0, s), dense.component(1, s)]);
     let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
-        let v = dynamics.borrow().slip_bounds(joint, motion.enclosures([a, b]));
+        let [sigma, sigma_dot] = motion.enclosures([a, b]);
+        let t = Enclosure { value: Interval { low: time(a), high: time(b) }, slope: Interval::point(step.h) };
+        let v = dynamics.borrow().slip_bounds(joint, [t, sigma, sigma_dot]);
         (-v + Enclosure::constant(low)).max(v + Enclosure::constant(-high))
     };
     let locate =

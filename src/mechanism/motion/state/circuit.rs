@@ -115,20 +115,22 @@ where
         let mut progress = Progress::within(integrator.attempts() + max_steps);
         let mut ends = *ends;
         let mut advanced = loop {
-            let mut is_changed = false;
+            // A lock may have engaged by the force of its stop before the advance has stopped for another one.
+            let mut is_changed = progress.t > 0.0;
             dynamics.switch_locks(&mut z, &mut |lock, engaged| {
                 witness.tell(progress.t, What::Switched { lock, engaged });
                 is_changed = true;
             });
             if is_changed {
-                ends.locked = engaged_locks(ends.travel, dynamics.whole, &inputs.locks, Some(&z[MOTION..]));
+                let locks = (&*inputs.locks, contact.engaged());
+                ends.locked = engaged_locks(ends.travel, dynamics.whole, locks, Some(&z[MOTION..]));
                 set_locks(contact, &ends, progress.t, witness);
             }
             if lookahead.begin(tolerance, ends.locked) {
                 integrator.branch_off();
             }
             let (dynamics, integrator, lookahead) = (&mut *dynamics, &mut *integrator, &mut *lookahead);
-            let (ends, contact, witness) = (&ends, &mut *contact, &mut *witness);
+            let (contact, witness) = (&mut *contact, &mut *witness);
             let pauses = witness.pauses.at_events;
             let advance = Advance { dynamics, integrator, lookahead, ends, contact, witness, tolerance, progress };
             match advance.run(&mut z, h) {

@@ -4,18 +4,17 @@
 //! that the state decides under them. It must not know how a step is made.
 use super::State;
 use super::ports::check_ports;
-use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::error::ModelError;
 use crate::mechanism::motion::acting::{airspeed, blows_under, state_loads};
-use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Travel};
+use crate::mechanism::motion::contact::{Contact, EngagedLocks, Place, Places, Travel};
 use crate::mechanism::motion::prescribed::PrescribedState;
 use crate::mechanism::motion::saved::Applied;
 use crate::mechanism::motion::step_ahead::Outdated;
-use crate::mechanism::motion::travel::grips;
+use crate::mechanism::motion::travel::set_forces_of_locks;
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use std::sync::Arc;
 
@@ -41,19 +40,26 @@ pub fn engages(reduced: &Reduced, locks: &[bool], network: Option<&[f64]>, lock:
     locks[lock] && by_pressure().unwrap_or(true)
 }
 
-/// The places at which a lock is engaged, as [`engages`] states.
-pub fn engaged_locks(travel: &Travel, reduced: &Reduced, locks: &[bool], network: Option<&[f64]>) -> EngagedLocks {
+/// The places at which a lock is engaged, as [`engages`] states, or waits for the force of its stop, at which it has
+/// not yet `engaged`.
+pub fn engaged_locks(
+    travel: &Travel,
+    reduced: &Reduced,
+    (locks, engaged): (&[bool], Places),
+    network: Option<&[f64]>,
+) -> EngagedLocks {
     let mut locked = EngagedLocks::default();
     if !locks.contains(&true) {
         return locked;
     }
     let all = reduced.loading().locks.iter().enumerate();
     for (_, lock) in all.filter(|(index, _)| engages(reduced, locks, network, *index)) {
-        for (side, locked) in locked.rigid.iter_mut().enumerate() {
-            *locked |= travel.holds(Place::rigid(side), lock.stop);
+        let bumpers = (0..travel.bumpers.len()).map(|k| Place::of_bumper(0, k));
+        for place in [0, 1].map(Place::rigid).into_iter().chain(bumpers) {
+            if travel.holds(place, lock.stop) {
+                locked = locked.with(place, lock.engage.is_none() || engaged.contains(place));
+            }
         }
-        let bumpers = BumperSet::of(travel.bumpers.len(), |k| travel.bumpers[k].stop == lock.stop);
-        locked.bumpers = locked.bumpers.union(bumpers);
     }
     locked
 }
@@ -70,8 +76,7 @@ impl State {
         for end in Arc::make_mut(&mut saved.travel).rigid.iter_mut().flatten() {
             end.restitution = reduced.loading().stops[end.stop].restitution;
         }
-        let grips = grips(&saved.travel, reduced)?;
-        Arc::make_mut(&mut saved.travel).grips = grips;
+        set_forces_of_locks(Arc::make_mut(&mut saved.travel), reduced)?;
         if let Err((stretch, end)) = reduced.reach(saved.sigma) {
             return Err(ModelError::travel((stretch, end), saved.sigma));
         }
@@ -133,7 +138,8 @@ impl State {
         if saved.prescribed.is_some() {
             before.prescribed = Some((saved.prescribed, saved.contact));
         }
-        let locked = engaged_locks(&saved.travel, reduced, &inputs.locks, saved.memory.network_values());
+        let locks = (&*inputs.locks, saved.contact.engaged());
+        let locked = engaged_locks(&saved.travel, reduced, locks, saved.memory.network_values());
         let applied = &mut saved.applied;
         (applied.airspeed, applied.air, applied.locked) = (airspeed, air, locked);
         // Inputs that change with time are others after the step.

@@ -23,7 +23,7 @@ use crate::mechanism::dynamics::prescribed::{Prescribed, end_of};
 use crate::mechanism::error::{ModelError, unit_of};
 use crate::mechanism::loads::resolved::MotionDrive;
 use crate::mechanism::motion::advance::Progress;
-use crate::mechanism::motion::contact::{Contact, Ends, EngagedLocks};
+use crate::mechanism::motion::contact::{Ends, EngagedLocks};
 use crate::mechanism::motion::elapsed::Elapsed;
 use crate::mechanism::motion::prescribed::{PrescribedState, Track};
 use crate::mechanism::motion::saved::{Applied, SavedState};
@@ -132,7 +132,8 @@ impl State {
     /// # Errors
     /// [`ModelError::Prescribed`]; nothing has changed.
     pub fn preview(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<(), ModelError> {
-        let locked = engaged_locks(&self.saved.travel, reduced, &inputs.locks, self.saved.memory.network_values());
+        let locks = (&*inputs.locks, self.saved.contact.engaged());
+        let locked = engaged_locks(&self.saved.travel, reduced, locks, self.saved.memory.network_values());
         self.follow(reduced, inputs, locked, false)
     }
 
@@ -186,7 +187,7 @@ impl State {
         }
         step.check_locks(0.0, saved.sigma, found.y[0])?;
         let [sigma, sigma_dot, _] = found.y;
-        let mut contact = Contact::default();
+        let mut contact = saved.contact.freed();
         if ends.bumpers() > 0 {
             let mut balance =
                 Balance { step: &step, sizes, airspeed, air, revolutions, scratch, rates, touching, largest: 0.0 };
@@ -212,7 +213,8 @@ impl State {
 
     /// The motion is no longer prescribed: the state goes on as under forces.
     pub fn release(&mut self, reduced: &Reduced, inputs: &Inputs) {
-        let locked = engaged_locks(&self.saved.travel, reduced, &inputs.locks, self.saved.memory.network_values());
+        let locks = (&*inputs.locks, self.saved.contact.engaged());
+        let locked = engaged_locks(&self.saved.travel, reduced, locks, self.saved.memory.network_values());
         self.release_prescribed(reduced, locked);
     }
 

@@ -210,7 +210,8 @@ impl State {
             Some(memory) => saved.memory = memory,
             None => saved.memory.begin(state_loads.is_some()),
         }
-        saved.applied.locked = engaged_locks(&start.travel, reduced, &inputs.locks, saved.memory.network_values());
+        let locks = (&*inputs.locks, saved.contact.engaged());
+        saved.applied.locked = engaged_locks(&start.travel, reduced, locks, saved.memory.network_values());
         before.applied.sizes.resize(saved.applied.sizes.len(), 0.0);
         if reduced.can_prescribe() {
             self.begin_prescribed(reduced, inputs)?;

@@ -47,10 +47,10 @@ impl StateLoads {
         period.map_or(beyond, |period| (TAU * beyond / period).sin())
     }
 
-    /// Index in `drives` of the first load of a law.
+    /// Index in `drives` of the first load of a law or speed of a surface.
     #[inline]
     pub fn first_law(&self) -> usize {
-        self.laws.first().map_or(self.drives.len(), |law| law.at)
+        self.laws.first().map_or(self.drives.len() - self.surfaces, |law| law.at)
     }
 
     /// Index in `loads` of the load of `bumpers[k]`.
