@@ -172,8 +172,7 @@ pub const TABLE: &[Row] = &[
     ("equality/weld equality/joint", "name", NoEffect, LOOK),
     ("equality/*", "solimp solref", LeftOut, SOFT),
     ("equality/tendon equality/flex equality/flexstrain equality/flexvert equality/distance", "", Rejected(""),
-        "`import` \
-        supports only the equalities `connect`, `weld` and `joint`: remove this equality"),
+        "`import` supports only the equalities `connect`, `weld` and `joint`: remove this equality"),
 
     ("mujoco/tendon", "", Read, "`import` reads the tendons in this element"),
     ("tendon/spatial", "", Read, "the tendon becomes a spring, a drive and limits between two points; `import` \
