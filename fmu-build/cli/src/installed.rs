@@ -97,7 +97,7 @@ pub fn command() -> Command {
     // A static library is built from the source.
     command = command.mut_subcommand("package", |task| task.mut_arg("statics", |argument| argument.hide(true)));
     command.mut_subcommand("package", |task| {
-        task.about("Pack each mechanism as an FMU: <Name>.fmu for FMI 2.0, <Name>.fmi3.fmu for FMI 3.0")
+        task.about("Pack each mechanism as an FMU: <Name>.fmu and <Name>.fmi3.fmu")
     })
 }
 
