@@ -128,7 +128,7 @@ fn wrong_curves_and_gases_are_rejected() {
         (json!({ "joint": "slide", "points": [[0, 1], [5e-324, 2]] }), &["springs.strut.points", "so close"]),
         (json!({ "joint": "slide", "points": [[0, 1, 2]] }), &["springs.strut.points[0]"]),
         (changed_gas(|g| g["points"] = json!([[0, 1], [1, 2]])), &["springs.strut.gas", "two springs"]),
-        (changed_gas(|g| g["free_length"] = Value::Null), &["springs.strut", "add the key free_length"]),
+        (changed_gas(|g| g["free_length"] = Value::Null), &["springs.strut", "add the key `free_length`"]),
         (changed_gas(|g| g["gas"]["volume"] = json!(0)), &["springs.strut.gas.volume = 0", "> 0"]),
         (changed_gas(|g| g["gas"]["exponent"] = json!(0.5)), &["springs.strut.gas.exponent", "from 1 to 2"]),
     ] {

@@ -232,7 +232,7 @@ fn without_a_motion_there_is_a_travel_and_no_run() {
     assert_eq!(before, run.saved());
     assert_says(run.serve_exchange().unwrap_err(), &["without masses", "use co-simulation"]);
     assert_says(run.equilibria().unwrap_err(), &["no body has a mass"]);
-    assert_says(run.warnings().join("\n"), &["bodies: no body has a mass and no drive has the key motion"]);
+    assert_says(run.warnings().join("\n"), &["bodies: no body has a mass and no drive has the key `motion`"]);
     let sweep = run.sweep(90).unwrap();
     assert!(sweep.is_closed);
     // The facts of `check`.

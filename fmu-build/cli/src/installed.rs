@@ -96,9 +96,8 @@ pub fn command() -> Command {
     command = command.mut_subcommand("demo", |task| task.mut_arg("gallery", |argument| argument.hide(true)));
     // A static library is built from the source.
     command = command.mut_subcommand("package", |task| task.mut_arg("statics", |argument| argument.hide(true)));
-    command.mut_subcommand("package", |task| {
-        task.about("Pack each mechanism as an FMU: <Name>.fmu and <Name>.fmi3.fmu")
-    })
+    command
+        .mut_subcommand("package", |task| task.about("Pack each mechanism as an FMU: <Name>.fmu and <Name>.fmi3.fmu"))
 }
 
 #[cfg(test)]

@@ -94,12 +94,12 @@ pub(super) fn check_control(
         ("motion", motion, "a prescribed motion"),
     ] {
         if is_given {
-            refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove control or {name}"));
+            refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove `control` or `{name}`"));
         }
     }
     let Control { position_gain, speed_gain, integral_gain, command, command_speed, .. } = *control;
     if position_gain.or(speed_gain).is_none() {
-        refuse(key.clone(), "a controller needs a gain: add position_gain or speed_gain".into());
+        refuse(key.clone(), "a controller needs a gain: add `position_gain` or `speed_gain`".into());
     }
     let (no_position, no_speed) = (position_gain.is_none(), speed_gain.is_none());
     let (no_integral, no_delay) = (integral_gain.is_none(), control.force_time_constant.is_none());
@@ -151,12 +151,15 @@ impl Mechanism {
             };
             if index >= MOST_CONTROL_STATES {
                 refuse(format!(
-                    "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys integral_gain \
-                     and force_time_constant: remove {key}"
+                    "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys \
+                     `integral_gain` and `force_time_constant`: remove {key}"
                 ));
             }
             if self.has_hydraulics() {
-                refuse(format!("hydraulics exclude {key}: remove {key} or hydraulics"));
+                refuse(format!(
+                    "a mechanism with the key `hydraulics` cannot have {key}: remove {key} or \
+                    `hydraulics`"
+                ));
             }
             if let Some((_, other, _)) = self.motion_drive() {
                 refuse(format!(
@@ -166,9 +169,10 @@ impl Mechanism {
             }
             if self.start.equilibrium && state == ControlState::Integral {
                 refuse(format!(
-                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant only \
-                     at the command: give a start position in `start`, and the force that holds the mechanism there in \
-                     start_integral (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
+                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant \
+                     only at the command: give a start position in `start`, and the force that holds the mechanism \
+                     there in `start_integral` (`cargo fmu check` prints the holding force of {name}), or remove \
+                     `integral_gain`"
                 ));
             }
         }

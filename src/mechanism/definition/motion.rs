@@ -127,7 +127,7 @@ impl Mechanism {
             let message = format_args!(
                 "this key has no effect, because actuators.{drive}.motion prescribes the speed from the start"
             );
-            let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
+            let remedy = "remove `start.speed`, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
     }

@@ -93,7 +93,7 @@ impl Model {
             let what = format!("order {order} of the derivative of {}", self.name_of(reference));
             return Err(ModelError::Derivative {
                 what,
-                reason: "maxOutputDerivativeOrder is 1: request order 1".into(),
+                reason: "only order 1 is available (maxOutputDerivativeOrder is 1)".into(),
             });
         }
         self.reducible("maxOutputDerivativeOrder")?;
@@ -125,7 +125,13 @@ impl Model {
         {
             let what = format!("the derivative of {}", self.name_of(reference));
             let next = self.name_of(reference + 1);
-            return Err(ModelError::Derivative { what, reason: format!("use the input {next} instead") });
+            return Err(ModelError::Derivative {
+                what,
+                reason: format!(
+                    "this derivative is an input, so it cannot be \
+                set as a derivative; set the input {next}"
+                ),
+            });
         }
         self.not_rigid_fem("canInterpolateInputs")
     }

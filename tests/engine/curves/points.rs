@@ -38,7 +38,7 @@ fn wrong_curves_are_rejected_with_their_key() {
         (motor(json!({ "joint": "slide", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
         (
             motor(json!({ "joint": "slide", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
-            &["actuators.m.points", "remove the key points or the key motion"],
+            &["actuators.m.points", "remove the key `points` or the key `motion`"],
         ),
         (buffer(json!([[0, 1], [1, 2]])), &["stops.b.points[0]", "start with [0, 0]"]),
         (

@@ -11,7 +11,7 @@ fn faulty_circuits_are_rejected_with_their_key() {
     };
     let drive =
         |gear: &mut serde_json::Value, key: &str, value: serde_json::Value| gear["actuators"]["actuator"][key] = value;
-    assert_says(error(&|gear| drive(gear, "force", json!(3))), &["actuators.actuator.hydraulics", "the key force"]);
+    assert_says(error(&|gear| drive(gear, "force", json!(3))), &["actuators.actuator.hydraulics", "the key `force`"]);
     assert_says(error(&|gear| drive(gear, "efficiency", json!(0.9))), &["actuators.actuator.hydraulics", "efficiency"]);
     assert_says(
         error(&|gear| gear["actuators"]["other"] = gear["actuators"]["actuator"].clone()),

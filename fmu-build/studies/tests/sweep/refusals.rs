@@ -93,7 +93,7 @@ fn wrong_studies_are_rejected_in_one_line() {
         (response(json!({ "event": "upstop" })), "the flag variable of this stop is retracted; write retracted"),
         (with("scenario", json!({ "stop_at": "up" })), "the flag variables of this mechanism are retracted, extended"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
-        (response(json!({ "course": "crank.angle" })), "give the keys course and times together"),
+        (response(json!({ "course": "crank.angle" })), "give the keys `course` and times together"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: the list is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),

@@ -65,7 +65,7 @@ pub(super) fn alternatives(what: &str, names: &[&str], name: &str) -> String {
         sorted.truncate(COMPARED);
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
-    format!("there are {} names of {what}; similar names are {nearest}", names.len())
+    format!("this is none of the {} names of {what}; similar names are {nearest}", names.len())
 }
 
 impl Mechanism {

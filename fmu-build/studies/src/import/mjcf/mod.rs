@@ -391,7 +391,15 @@ impl Mjcf {
         let size = node.numbers("size")?.unwrap_or_default();
         let has_mass = self.needs_geoms && (self.groups[0]..=self.groups[1]).contains(&group);
         let mut at = self.frame(node, frame)?;
-        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", node.at()));
+        let part = |k: usize| {
+            size.get(k).copied().with_context(|| {
+                format!(
+                    "{}: the attribute size has too few \
+            numbers: add the missing numbers",
+                    node.at()
+                )
+            })
+        };
         let mut length = None;
         if let Some(ends) = node.fixed("fromto")? {
             let (placed, between) = along(node, ends, frame)?;
