@@ -261,7 +261,7 @@ fn positions_without_an_answer() {
 fn starts_that_contradict_themselves() {
     let start = r#"{ "body": "crank", "angle": 0.8, "speed": 0 }"#;
     for (to, fragments) in [
-        (r#"{ "body": "crank" }"#, &["start", "body and angle, or joint and position"][..]),
+        (r#"{ "body": "crank" }"#, &["start", "`body` and `angle`, or the keys `joint` and `position`"][..]),
         (r#"{ "joint": "joint1", "position": 0.8 }"#, &["start.joint", "prismatic"]),
         (r#"{ "joint": "slot", "position": 0.8 }"#, &["start.joint", r#""slot""#, "joint1, joint2"]),
         (r#"{ "body": "ground", "angle": 0.8 }"#, &["start", "ground", "crank, coupler, follower"]),

@@ -190,7 +190,7 @@ fn lengths_points_and_guess_follow_from_the_drawing() {
 fn contradictions_to_the_drawing_are_rejected() {
     for (path, value, fragments) in [
         ("/bodies/crank/length", json!(50.1), vec!["bodies.crank.length = 0.0501", "drawn 0.05 m apart"]),
-        ("/bodies/crank/drawn/angle", json!(1), vec!["bodies.crank.drawn.angle", "origin and end already define"]),
+        ("/bodies/crank/drawn/angle", json!(1), vec!["bodies.crank.drawn.angle", "`origin` and `end` already define"]),
         ("/bodies/crank/drawn/end", json!([0, 0]), vec!["bodies.crank.drawn.end", "no length"]),
         (
             "/bodies/crank/points",

@@ -85,8 +85,8 @@ pub fn command() -> Command {
         (
             "sweep",
             "out",
-            "Folder for the results, such as runs.parquet [default: a folder with the name of the study, in the current \
-             folder]",
+            "Folder for the results, such as runs.parquet [default: a folder with the name of the study, in the \
+             current folder]",
         ),
     ];
     for (task, argument, help) in helps {

@@ -35,7 +35,7 @@ fn wrong_curves_are_rejected_with_their_key() {
             motor(json!({ "joint": "slide", "points": [[0, 1]] })),
             &["actuators.m.points", "has 1 points", "needs 2 or more"],
         ),
-        (motor(json!({ "joint": "slide", "command": 0.5 })), &["actuators.m.command", "add points [speed, force]"]),
+        (motor(json!({ "joint": "slide", "command": 0.5 })), &["actuators.m.command", "pairs [speed, force]"]),
         (
             motor(json!({ "joint": "slide", "points": [[0, 1], [1, 0]], "motion": { "position": 0 } })),
             &["actuators.m.points", "remove the key `points` or the key `motion`"],

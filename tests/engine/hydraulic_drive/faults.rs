@@ -87,7 +87,7 @@ fn a_change_of_a_port_takes_effect_at_once() {
 #[test]
 fn an_equilibrium_with_a_circuit_is_rejected_and_its_remedy_works() {
     let text = changed(HYDRAULIC_GEAR, |gear| gear["start"]["equilibrium"] = json!(true));
-    let words = ["start.equilibrium", "start_pressure of chamber_a", "actuator.holding_force", "cargo fmu check"];
+    let words = ["start.equilibrium", "`start_pressure` of `chamber_a`", "actuator.holding_force", "cargo fmu check"];
     assert_says(Model::from_json(&text).unwrap_err(), &words);
     let gear = || {
         let mut gear = Run::shared(HYDRAULIC_GEAR);
