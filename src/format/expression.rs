@@ -336,7 +336,7 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
                 let number: Option<f64> = text[at..end].parse().ok();
                 let number = number.filter(|number| number.is_finite());
                 let number = number
-                    .ok_or_else(|| format!("`{}` is not a finite number: write a smaller number", &text[at..end]))?;
+                    .ok_or_else(|| format!("`{}` is not a finite number: correct this number", &text[at..end]))?;
                 tokens.push(Token::Number(number));
                 end
             }

@@ -192,8 +192,8 @@ impl Model {
         }
         match self.original.parameter_values.mechanism().has_hydraulics() {
             true => refused(
-                "a hydraulic circuit has more states; remove `hydraulics` to linearise the mechanism \
-                alone",
+                "a hydraulic circuit has more states than position and speed; remove `hydraulics` to linearise the \
+                 mechanism alone",
             ),
             false => Ok(()),
         }
