@@ -204,7 +204,7 @@ impl fmt::Display for ModelError {
                     Decimal(*value)
                 )
             }
-            Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
+            Self::Output { name } => write!(f, "{name} is an output and cannot be set: set an input or a parameter"),
             Self::Table { name, position } => write!(
                 f,
                 "{name} has no value near {position}: as a function of the position of the mechanism, {name} is \

@@ -115,7 +115,7 @@ pub(super) fn check_control(
         if value.is_some() && is_alone {
             let what = if name.starts_with("command") { "command" } else { "key" };
             let kind = if needed.ends_with("gain") { "gain" } else { "time constant" };
-            refuse(format!("{key}.{name}"), format!("this {what} needs a {kind}: add {needed}, or remove {name}"));
+            refuse(format!("{key}.{name}"), format!("this {what} needs a {kind}: add `{needed}`, or remove `{name}`"));
         }
     }
 }
@@ -152,18 +152,18 @@ impl Mechanism {
             if index >= MOST_CONTROL_STATES {
                 refuse(format!(
                     "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys \
-                     `integral_gain` and `force_time_constant`: remove {key}"
+                     `integral_gain` and `force_time_constant`: remove `{key}`"
                 ));
             }
             if self.has_hydraulics() {
                 refuse(format!(
-                    "a mechanism with the key `hydraulics` cannot have {key}: remove {key} or \
-                    `hydraulics`"
+                    "a mechanism with the key `hydraulics` cannot have the key `{key}`: remove `{key}` or \
+                     `hydraulics`"
                 ));
             }
             if let Some((_, other, _)) = self.motion_drive() {
                 refuse(format!(
-                    "the drive {other} has a prescribed motion, which excludes {key}: remove {key} or \
+                    "the drive {other} has a prescribed motion, which excludes the key `{key}`: remove `{key}` or \
                      actuators.{other}.motion"
                 ));
             }

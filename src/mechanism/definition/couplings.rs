@@ -68,7 +68,8 @@ keys! {
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution, as pairs of cam angle and lift [rad, m or rad] in the order of increasing
-        /// angle. Use the key `points` in place of `segments`.
+        /// angle. The lift is in m for a follower that slides, and in rad for a follower that turns. Use the key
+        /// `points` in place of `segments`.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
         /// Cam: kind of the curve through `points`. `spline`: a smooth curve, which may overshoot the points.
         /// `monotone`: a curve that rises only where the points rise, and falls only where the points fall.

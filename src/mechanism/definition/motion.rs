@@ -102,7 +102,7 @@ impl PrescribedMotion {
                 _ => false,
             };
             match (is_stated, wanted.contains(name)) {
-                (false, true) => faults.refuse(key, format_args!("{what} needs {name}: add this key")),
+                (false, true) => faults.refuse(key, format_args!("{what} needs the key `{name}`: add this key")),
                 (true, false) if !is_optional => {
                     let message =
                         format_args!("{what} does not use this key: remove the key, or choose another profile");

@@ -352,7 +352,7 @@ impl Mechanism {
                 if s.surface_angle.is_some() {
                     return refused(
                         key("surface_angle"),
-                        "only a surface with the keys `at` and `area` has this key: remove the key, because this \
+                        "only a surface with the keys `at` and `area` has this key: remove this key, because this \
                          surface lies along the line from `from` to `to`",
                     );
                 }

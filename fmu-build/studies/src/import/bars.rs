@@ -103,7 +103,7 @@ impl<'a> Builder<'a> {
             if pin.slides { self.slide(pin) } else { self.revolute(pin) }.with_context(named)?;
         }
         if self.own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-            bail!("no joint is on the ground: ground at least one joint in PMKS+");
+            bail!("no joint is on the ground, so the mechanism has no fixed link: ground at least one joint in PMKS+");
         }
         match self.own.drives.first().map(|(_, joint)| &self.own.joints[*joint]) {
             None => self.own.notes.push(

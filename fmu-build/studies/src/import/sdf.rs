@@ -121,7 +121,10 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let is_static =
         |model: &&&Element| model.child("static").is_some_and(|own| matches!(own.text.as_str(), "true" | "1"));
     let mut moving = models.iter().filter(|model| !is_static(model));
-    let model = moving.next().context("there is no <model> that moves, so there is no mechanism")?;
+    let model = moving.next().context(
+        "there is no <model> that moves, so there is no mechanism: add a model that is \
+        not static",
+    )?;
     if let Some(other) = moving.next() {
         bail!("{}: this is a second model that moves: keep one model in the file", other.at());
     }
@@ -145,7 +148,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let canonical = model.get("canonical_link");
     if !named.iter().flatten().any(|name| name == "world") {
         let at = links.iter().position(|link| canonical.is_none() || link.get("name") == canonical);
-        let ground = links.remove(at.context("the model has no link")?);
+        let ground = links.remove(at.context("the model has no link: add the links of the mechanism")?);
         names = vec![ground.get("name").unwrap_or_default().to_owned()];
         space.notes.push(format!("no joint is on the world: the link {} becomes the body ground", names[0]));
         mass(ground, own.pose_of(&names[0], 0)?)?;
@@ -222,7 +225,11 @@ fn placed(outer: Frame, inner: Frame) -> Frame {
 impl Model<'_> {
     /// Frame in space of a link, joint or frame of the model by its name.
     fn pose_of(&self, name: &str, depth: usize) -> Result<Frame> {
-        ensure!(depth < DEEPEST, "the poses of the frame {name} refer to each other in a circle: correct relative_to");
+        ensure!(
+            depth < DEEPEST,
+            "the poses of the frame {name} refer to each other in a circle: correct \
+            `relative_to`"
+        );
         match name {
             "world" => return Ok(([0.0; 3], SAME)),
             "" | "__model__" => return Ok(self.frame),
@@ -244,7 +251,7 @@ impl Model<'_> {
 
     /// The link to which a link, frame or model frame is fixed, or the world.
     fn link_of(&self, name: &str, depth: usize) -> Result<String> {
-        ensure!(depth < DEEPEST, "the frame {name} is attached to itself: correct attached_to");
+        ensure!(depth < DEEPEST, "the frame {name} is attached to itself: correct `attached_to`");
         let canonical = || {
             let first = self.root.child("link").and_then(|link| link.get("name"));
             self.root.get("canonical_link").filter(|name| !name.is_empty()).or(first).unwrap_or_default()
@@ -270,7 +277,7 @@ impl Model<'_> {
             .with_context(|| format!("{}: the element <axis> is missing: add this element", node.at()))?;
         let direction = axis.inner("xyz")?.unwrap_or([0.0, 0.0, 1.0]);
         let direction = unit(direction).with_context(|| {
-            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
+            format!("{}: the vector of the axis is zero: write the direction of the axis", node.at())
         })?;
         let in_model =
             axis.child("use_parent_model_frame").is_some_and(|own| matches!(own.text.as_str(), "true" | "1"));

@@ -84,7 +84,10 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         joints.iter().map(|joint| Ok((of(joint, "parent")?, of(joint, "child")?))).collect::<Result<_>>()?;
     let links: Vec<&Element> = root.all("link").collect();
     let is_base = |link: &&&Element| ends.iter().all(|(_, child)| link.get("name") != Some(child));
-    let base = links.iter().find(is_base).context("every link is moved by a joint, so there is no ground link")?;
+    let base = links.iter().find(is_base).context(
+        "every link is moved by a joint, so there is no ground link: add a \
+        link that no joint moves",
+    )?;
     space.notes.push(format!("the link {} becomes the body ground", base.get("name").unwrap_or_default()));
     space.solids.push(Solid::default());
     // The mass of the ground has no effect, but is checked.
@@ -120,7 +123,11 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         }
     }
     if let Some(&lost) = left.first() {
-        bail!("{}: the parent link of this joint is not connected to the other links", joints[lost].at());
+        bail!(
+            "{}: the parent link of this joint is not connected to the other links: connect the parent link by a \
+            joint",
+            joints[lost].at()
+        );
     }
     for (first, mimic) in followers {
         let name = mimic.get("joint").unwrap_or_default();
@@ -173,9 +180,8 @@ fn hinge(node: &Element, kind: &str, (first, second): (usize, usize), frame: Fra
         other => bail!("{}: a joint of the type {other} is not supported; use revolute or prismatic", node.at()),
     };
     let axis = node.child("axis").map(|axis| axis.fixed("xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
-    let axis = unit(axis).with_context(|| {
-        format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
-    })?;
+    let axis = unit(axis)
+        .with_context(|| format!("{}: the vector of the axis is zero: write the direction of the axis", node.at()))?;
     let dynamics = |key: &'static str| -> Result<f64> {
         Ok(node.child("dynamics").map(|dynamics| dynamics.one(key)).transpose()?.flatten().unwrap_or(0.0))
     };

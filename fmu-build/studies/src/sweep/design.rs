@@ -123,7 +123,10 @@ impl Design {
                 `sampling`"
             ),
             (None, 1..) => {
-                bail!("sampling: this key is missing; add the sampling method of the factors with a distribution")
+                bail!(
+                    "sampling: this key is missing, but a factor has a distribution; add the key `sampling` with a \
+                    method"
+                )
             }
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
             (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
@@ -253,7 +256,10 @@ fn factor(
             match steps {
                 Some(count) if *count >= 1 => Source::Range(first, last, *count),
                 Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
-                None => bail!("{key}.steps: this key is missing; add the number of values of the range"),
+                None => bail!(
+                    "{key}.steps: this key is missing; add the key `steps`, the number of values of the \
+                    range"
+                ),
             }
         }
         (None, None, Some(uniform), None) => {

@@ -40,7 +40,7 @@ pub(super) fn entry<'m, T>(
 ) -> Result<&'m T, DefinitionError> {
     entries.get(name).ok_or_else(|| {
         let allowed = match entries.names() {
-            names if names.is_empty() => format!("there are no {group}: add the key {group}"),
+            names if names.is_empty() => format!("the definition has no {group}: add the key `{group}`"),
             names => alternatives(&format!("the {group}"), &names, name),
         };
         DefinitionError::unknown(key, name, allowed)

@@ -104,7 +104,11 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     for world in root.all("worldbody") {
         reader.body(world, 0, ([0.0; 3], SAME), None)?;
     }
-    ensure!(reader.space.solids.len() > 1, "<worldbody> contains no <body>, so there is no mechanism");
+    ensure!(
+        reader.space.solids.len() > 1,
+        "<worldbody> contains no <body>, so there is no mechanism: add the bodies \
+        of the mechanism"
+    );
     if let Some(total) = total {
         let sum: f64 = reader.space.solids.iter().map(|solid| solid.mass).sum();
         for solid in &mut reader.space.solids {
@@ -320,7 +324,7 @@ impl Mjcf {
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(node.fixed("axis")?.unwrap_or([0.0, 0.0, 1.0]));
         let axis = axis.with_context(|| {
-            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
+            format!("{}: the vector of the axis is zero: write the direction of the axis", node.at())
         })?;
         let origin = value(node.one("ref")?.unwrap_or(0.0));
         let mut acting = self.passive(node)?;
