@@ -2,8 +2,8 @@
 use super::{DefinitionError, line};
 
 /// Default of `license`: the licence of the library in every FMU.
-const LICENSE: &str = "License of the library: MIT OR Apache-2.0, see documentation/licenses. License of the model: as stated by its \
-     author";
+const LICENSE: &str = "License of the library: MIT OR Apache-2.0, see documentation/licenses. License of the model: \
+                       as stated by its author";
 /// Default of `copyright`: the copyright of the library in every FMU.
 const COPYRIGHT: &str = "Copyright of the library: the authors of linkage-fmu. Copyright of the model: its author";
 

@@ -114,8 +114,8 @@ fn prescribed_motions_without_a_motion_are_rejected_with_their_name() {
     let refused = |motion: &Value, words: &[&str]| {
         assert_says(refusal(lift(motion)), words);
     };
-    refused(&json!({}), &["actuators.winch.motion", "without a profile needs position"]);
-    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile needs distance"]);
+    refused(&json!({}), &["actuators.winch.motion", "without a profile needs the key `position`"]);
+    refused(&json!({ "profile": "cycloidal", "duration": 1 }), &["this profile needs the key `distance`"]);
     refused(&json!({ "profile": "cycloidal", "duration": 0, "distance": 1 }), &["motion.duration = 0", "> 0"]);
     refused(
         &json!({ "profile": "trapezoid", "distance": 1, "speed": 1, "acceleration": 1, "duration": 2 }),

@@ -72,7 +72,14 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
         check.escape_debug()
     );
     let mut sections = body.split('.');
-    let mut next = |what: &str| sections.next().with_context(|| format!("the section of the {what} is missing"));
+    let mut next = |what: &str| {
+        sections.next().with_context(|| {
+            format!(
+                "the section of the {what} is missing: open \
+        the file in PMKS+ and save it again"
+            )
+        })
+    };
     let flags = number(next("switches")?, "switches")?;
     next("scale")?;
     let speed = number(next("speed")?.split(',').next().unwrap_or_default(), "the speed of the input")?;

@@ -137,7 +137,7 @@ impl Mjcf {
             if let Some(sequence) = node.get("eulerseq") {
                 let is_axis = |letter: char| "xyzXYZ".contains(letter);
                 let right = sequence.len() == 3 && sequence.chars().all(is_axis);
-                ensure!(right, "{}: eulerseq must be three letters of xyzXYZ", node.at());
+                ensure!(right, "{}: eulerseq must be three letters of xyzXYZ, such as xyz", node.at());
                 sequence.clone_into(&mut self.sequence);
             }
             if let Some(word) = node.get("autolimits") {
@@ -357,13 +357,13 @@ impl Mjcf {
                 node.at()
             );
             let value = all.first().copied().unwrap_or(0.0);
-            ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative", node.at());
+            ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative: correct the sign", node.at());
             Ok(if is_on { value } else { 0.0 })
         };
         let friction = node.one("frictionloss")?.filter(|_| self.enabled.friction).unwrap_or(0.0);
         ensure!(
             friction >= 0.0,
-            "{}: frictionloss = {friction}: must not be negative: write the size of the friction",
+            "{}: frictionloss = {friction}: must not be negative: write the friction as a positive number",
             node.at()
         );
         let stiffness = linear("stiffness", self.enabled.spring)?;
