@@ -289,7 +289,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("this joint is not prismatic: give the prismatic joint in which the {what} slides"),
+                &format!("this joint is not prismatic: name the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {

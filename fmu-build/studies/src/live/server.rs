@@ -69,7 +69,12 @@ impl Site {
     /// The system provides no random numbers.
     pub fn new(port: u16) -> Result<Self> {
         let mut bytes = [0; 16];
-        getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the address: {error}"))?;
+        getrandom::fill(&mut bytes).map_err(|error| {
+            anyhow!(
+                "the system returned no random numbers for the address \
+            of the page: {error}"
+            )
+        })?;
         let token = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { hosts: ["127.0.0.1", "localhost"].map(|host| format!("{host}:{port}")), token })
     }
