@@ -129,8 +129,8 @@ pub struct View {
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
-    /// Open a page with an editor for the definition next to the moving mechanism. The page shows the motion after each
-    /// change, until you stop the command with Ctrl-C
+    /// Open a page with an editor for the definition next to the moving mechanism. The page of --live shows the motion
+    /// after each change, until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
     /// Network port on 127.0.0.1 for the page that --live opens [default: a free port]
@@ -146,11 +146,11 @@ pub struct View {
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU for comparison. The drawing and the plots show it with dashed lines
+    /// Second definition or FMU for comparison. The drawing and the plots show the second mechanism with dashed lines
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
-    /// Start values of the second run, in the form of --start-values. They replace values of --start-values. Without
-    /// --compare, the second run uses the definition of the first run
+    /// Start values of the second run, in the form of --start-values. A value in --compare-set replaces the value of
+    /// the same variable in --start-values. Without --compare, the second run uses the definition of the first run
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub compare_set: Vec<String>,
 }
@@ -201,7 +201,7 @@ pub struct Simulate {
     /// file is `time` in seconds
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
-    /// File for a plot of the recorded variables (.png, .svg or .pdf). The plot needs Python
+    /// File for a plot of the recorded variables (.png, .svg or .pdf). The option --plot needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
     /// Variable on the horizontal axis of the plot. The program also records this variable [default: time]
@@ -321,7 +321,7 @@ pub struct Linearise {
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
     /// File for a plot of eigenfrequency, damping ratio and eigenvalues over the coordinate (.png, .svg or .pdf). The
-    /// plot needs Python
+    /// option --plot needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 }

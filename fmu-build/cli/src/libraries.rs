@@ -28,13 +28,13 @@ pub struct Package {
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu, and both writes both files
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// Attribute variableNamingConvention in modelDescription.xml. The attribute states whether dots divide a variable
-    /// name into levels (`structured`, for simulation tools that show a tree) or have no meaning (`flat`). The names of
-    /// the variables stay the same
+    /// Attribute variableNamingConvention in modelDescription.xml. With `structured`, dots divide the variable names
+    /// into levels, for simulation tools that show a tree. With `flat`, dots have no meaning. The names of the
+    /// variables stay the same
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
     /// Platforms on which the FMU must run, separated by commas. The program builds and packs a library for each
-    /// [default: this machine]
+    /// platform [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Pack only the libraries that this machine can build, and list the missing platforms [default: a missing platform
@@ -56,9 +56,9 @@ pub struct Package {
     /// Do not pack documentation/animation.html, a page that shows the motion of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Do not pack the file tables.bin. The file contains positions, masses and loads along the motion, so that an
-    /// instance starts faster. Without the file, the FMU is smaller, and each instance computes these values at its
-    /// start
+    /// Do not pack the file tables.bin, which contains positions, masses and loads along the motion. With --no-tables,
+    /// the FMU is smaller, but an instance of the FMU starts more slowly, because the instance computes these values
+    /// itself
     #[arg(long)]
     pub no_tables: bool,
     /// Do not pack the results of the default experiment, with which a simulation tool can compare its own results
