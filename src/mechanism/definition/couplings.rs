@@ -373,7 +373,7 @@ impl Coupling {
         }
         if self.interpolation.is_some() && self.points.is_none() {
             let message = "only a lift that points define has an interpolation, but this cam has no points: remove \
-                           the key `interpolation`, or give points";
+                           the key `interpolation`, or add the key `points`";
             return refused(at("interpolation"), message);
         }
         if self.phase.is_some() {

@@ -141,7 +141,7 @@ impl Mechanism {
             ("origin", ..) => Ok((index, [0.0, 0.0])),
             ("end", Some(length), _) => Ok((index, [length, 0.0])),
             ("end", None, _) => {
-                unknown(format!("{body} has no length and therefore no point end: add bodies.{body}.length"))
+                unknown(format!("{body} has no length and therefore no point `end`: add bodies.{body}.length"))
             }
             (.., Some(&local)) => Ok((index, local)),
             (_, length, None) => {
