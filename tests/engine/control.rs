@@ -330,7 +330,7 @@ fn wrong_controllers_are_rejected() {
     for (control, pieces) in [
         (json!({}), &["actuators.motor.control", "needs a gain"][..]),
         (json!({ "speed_gain": 1, "command": 2 }), &["control.command", "add `position_gain`"]),
-        (json!({ "position_gain": 1, "command_speed": 2 }), &["control.command_speed", "add speed_gain"]),
+        (json!({ "position_gain": 1, "command_speed": 2 }), &["control.command_speed", "add `speed_gain`"]),
         (json!({ "position_gain": -1 }), &["control.position_gain", "-1", ">= 0"]),
         (
             json!({ "position_gain": 1, "min_force": 5, "max_force": 5 }),

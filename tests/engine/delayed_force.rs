@@ -312,9 +312,9 @@ fn what_is_no_delayed_force_is_refused() {
     for (control, pieces) in [
         (
             json!({ "position_gain": 1, "max_force_rate": 2 }),
-            &["control.max_force_rate", "add force_time_constant"][..],
+            &["control.max_force_rate", "add `force_time_constant`"][..],
         ),
-        (json!({ "position_gain": 1, "start_force": 2 }), &["control.start_force", "add force_time_constant"]),
+        (json!({ "position_gain": 1, "start_force": 2 }), &["control.start_force", "add `force_time_constant`"]),
         (json!({ "force_time_constant": 2 }), &["servo.control", "needs a gain"]),
         (delayed.clone().with(json!({ "force_time_constant": 0 })), &["control.force_time_constant", "0", "> 0"]),
         (delayed.clone().with(json!({ "max_force_rate": -1 })), &["control.max_force_rate", "-1", "> 0"]),

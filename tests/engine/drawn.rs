@@ -195,7 +195,7 @@ fn contradictions_to_the_drawing_are_rejected() {
         (
             "/bodies/crank/points",
             json!({ "eye": [1, 1] }),
-            vec!["bodies.crank.drawn.points.eye", "remove one of the two"],
+            vec!["bodies.crank.drawn.points.eye", "Remove one of the two"],
         ),
         (
             "/bodies/flag/drawn/origin",

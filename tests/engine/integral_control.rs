@@ -337,8 +337,8 @@ fn what_is_no_integral_part_is_refused() {
     };
     for (control, pieces) in [
         (json!({ "speed_gain": 1, "integral_gain": 2 }), &["control.integral_gain", "add `position_gain`"][..]),
-        (json!({ "position_gain": 1, "tracking_time": 2 }), &["control.tracking_time", "add integral_gain"]),
-        (json!({ "position_gain": 1, "start_integral": 2 }), &["control.start_integral", "add integral_gain"]),
+        (json!({ "position_gain": 1, "tracking_time": 2 }), &["control.tracking_time", "add `integral_gain`"]),
+        (json!({ "position_gain": 1, "start_integral": 2 }), &["control.start_integral", "add `integral_gain`"]),
         (json!({ "position_gain": 1, "integral_gain": -2 }), &["control.integral_gain", "-2", ">= 0"]),
         (json!({ "position_gain": 1, "integral_gain": 2, "tracking_time": 0 }), &["control.tracking_time", "0", "> 0"]),
         (
