@@ -23,7 +23,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let page = site.join("index.html");
     println!("{}", page.display());
     if arguments.open {
-        open::that_detached(&page).with_context(|| format!("{}: no browser could open the site", page.display()))?;
+        open::that_detached(&page).with_context(|| {
+            format!(
+                "{}: no browser could open the site; open this file in a \
+            browser",
+                page.display()
+            )
+        })?;
     }
     Ok(())
 }

@@ -24,7 +24,7 @@ const FIELDS: [(&str, usize, usize, usize); 4] =
 pub fn faults(zip: &[u8]) -> Vec<String> {
     let mut faults = Vec::new();
     if read(zip, &mut faults).is_none() {
-        faults.push("the directory of the archive is incomplete; pack the FMU again".to_owned());
+        faults.push("the table of contents of the FMU (a ZIP file) is incomplete; pack the FMU again".to_owned());
     }
     faults
 }
@@ -45,15 +45,15 @@ fn read(zip: &[u8], faults: &mut Vec<String>) -> Option<()> {
         let shown = String::from_utf8_lossy(name);
         if !names.insert(name) {
             faults.push(format!(
-                "{shown} occurs twice in the archive, and a simulation tool can read either of the two files; remove \
-                 one file"
+                "{shown} occurs twice in the FMU (a ZIP file), and a simulation tool can read either of the two \
+                 files; remove one file"
             ));
         }
         let own = number(listed, 42, 4).and_then(|place| zip.get(place..)).filter(|rest| rest.starts_with(OWN));
         if let Some(what) = own.map_or(Some("place"), |own| difference(listed, own, name)) {
             faults.push(format!(
-                "{shown}: the {what} in the directory of the archive differs from the entry itself, so two simulation \
-                 tools can read different files; pack the FMU again"
+                "{shown}: the {what} in the table of contents of the FMU (a ZIP file) differs from the {what} stored \
+                 with this file, so two simulation tools can read different files; pack the FMU again"
             ));
         }
         at += LISTED_LENGTH + name.len() + number(listed, 30, 2)? + number(listed, 32, 2)?;
@@ -112,8 +112,8 @@ mod tests {
         (twice[own + 5], twice[listed + 5]) = (b'1', b'1');
         assert_eq!(
             faults(&twice),
-            ["entry1 occurs twice in the archive, and a simulation tool can read either of the two files; remove one \
-              file"]
+            ["entry1 occurs twice in the FMU (a ZIP file), and a simulation tool can read either of the two files; \
+              remove one file"]
         );
         let whole = zip();
         assert!(faults(&whole[..whole.len() - 30])[0].contains("incomplete"));

@@ -13,5 +13,8 @@ fn main() -> ExitCode {
 /// Answer to a task that this program does not have.
 fn elsewhere(_: &Workspace, task: Task) -> ExitCode {
     let name = task.program().name();
-    task::refused(&anyhow!("{name} does this task: run `cargo fmu`, or `cargo run --release --package {name} --`"))
+    task::refused(&anyhow!(
+        "{name} contains this command: run `cargo fmu`, or `cargo run --release --package {name} \
+        --`"
+    ))
 }

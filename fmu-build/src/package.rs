@@ -153,7 +153,7 @@ fn prepare_all(sources: Vec<Source>, refused: &mut Vec<String>) -> Vec<Prepared>
         let fmu = match prepare(source) {
             Ok(Some(fmu)) => fmu,
             Ok(None) => {
-                refused.push(format!("{}: see the errors above", path.display()));
+                refused.push(format!("{}: no FMU was packed, because of the errors above", path.display()));
                 continue;
             }
             Err(error) => {

@@ -190,9 +190,9 @@ impl Definition {
 /// The file has the keys of another kind. The message names the command for it.
 pub fn check_content(wanted: &str, text: &str) -> Result<()> {
     const KINDS: [(&str, &str, &str); 3] = [
-        ("mechanism", "bodies", "use the command simulate, check or package"),
-        ("study", "responses", "use the command sweep or optimise"),
-        ("system", "fmus", "use the command package with the option --ssp"),
+        ("mechanism", "bodies", "use the command `simulate`, `check` or `package`"),
+        ("study", "responses", "use the command `sweep` or `optimise`"),
+        ("system", "fmus", "use the command `package` with the option --ssp"),
     ];
     let Ok(root) = parse("file", text) else { return Ok(()) };
     let mut kinds = KINDS.iter().filter(|(_, key, _)| root.member(key).is_some());

@@ -52,7 +52,13 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         false => eprintln!("{written}"),
     }
     if arguments.open {
-        open::that_detached(&path).with_context(|| format!("{}: no browser could open the page", path.display()))?;
+        open::that_detached(&path).with_context(|| {
+            format!(
+                "{}: no browser could open the page; open this file in a \
+            browser",
+                path.display()
+            )
+        })?;
     }
     if let Some(error) = &data.error {
         match checked.count(Severity::Error) {

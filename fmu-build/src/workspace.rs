@@ -64,8 +64,8 @@ impl Workspace {
     pub fn serves(&self, task: &Task) -> Result<()> {
         match installed::needs_source(task) {
             Some(name) if self.is_installed => bail!(
-                "{name}: this task needs the source, which an installation does not contain; run `cargo fmu {name}` \
-                 in a checked-out repository"
+                "{name}: this command needs the source code, which an installation does not contain; run `cargo fmu \
+                 {name}` in a checked-out repository"
             ),
             _ => Ok(()),
         }

@@ -60,8 +60,8 @@ fn archives_of_others_are_checked_and_named() {
 fn a_study_is_another_programs_task() {
     for words in [&["simulate"][..], &["demo", "--gallery", "--out"]] {
         let (code, printed, said) = run(words, Path::new("crane.json"));
-        let expected =
-            "error: fmu-studies does this task: run `cargo fmu`, or `cargo run --release --package fmu-studies --`\n";
+        let expected = "error: fmu-studies contains this command: run `cargo fmu`, or `cargo run --release --package \
+                        fmu-studies --`\n";
         assert_eq!((code, &*printed, &*said), (1, "", expected));
     }
 }

@@ -114,7 +114,7 @@ impl Record<'_> {
         }
         let length = u64::from_le_bytes(self.read()?);
         Damaged::unless(length == known as u64, || {
-            format!("{name}: the saved data has {length} entries, but this model needs {known} entries")
+            format!("the saved list '{name}' has {length} entries, but this model needs {known} entries")
         })
     }
 
@@ -126,7 +126,7 @@ impl Record<'_> {
             let most = (rest.len() / each.max(1)) as u64;
             Damaged::unless(word <= most, || {
                 format!(
-                    "{name}: the saved data states {word} entries, but the remaining bytes contain at most {most} \
+                    "the saved list '{name}' states {word} entries, but the remaining bytes contain at most {most} \
                      entries"
                 )
             })?;
@@ -145,7 +145,12 @@ impl Record<'_> {
                 let (own, after) = rest.split_at(size * size_of::<[f64; N]>());
                 *rest = after;
                 let (words, _) = own.as_chunks::<8>();
-                Damaged::unless(are_finite(words), || format!("{name}: all numbers must be finite"))?;
+                Damaged::unless(are_finite(words), || {
+                    format!(
+                        "the saved list '{name}' contains a number that is not \
+                    finite"
+                    )
+                })?;
                 *arrays = vec![[0.0; N]; size];
                 fill(arrays.as_flattened_mut(), words);
             }
@@ -167,7 +172,7 @@ impl Record<'_> {
             return Ok(());
         }
         let read = f64::from_le_bytes(self.read()?);
-        Damaged::unless(allowed(read), || format!("{name} = {read}: must be {text}"))?;
+        Damaged::unless(allowed(read), || format!("the saved value '{name}' is {read}, but must be {text}"))?;
         *value = read;
         Ok(())
     }
@@ -198,7 +203,7 @@ impl Record<'_> {
         if !are_finite(words) {
             let mut all = words.iter().map(|word| f64::from_le_bytes(*word));
             let first = all.find(|value| !value.is_finite()).unwrap_or(f64::NAN);
-            return Err(Damaged(format!("{name} = {first}: must be a finite number")));
+            return Err(Damaged(format!("the saved value '{name}' is {first}, but must be a finite number")));
         }
         fill(values, words);
         *rest = after;
@@ -250,13 +255,13 @@ fn ended() -> Damaged {
 /// The error for a count above its limit.
 #[cold]
 fn beyond(name: &str, value: u64, limit: u64) -> Damaged {
-    Damaged(format!("{name} = {value}: must be at most {limit}"))
+    Damaged(format!("the saved value '{name}' is {value}, but must be at most {limit}"))
 }
 
 /// The error for an index above its limit.
 #[cold]
 fn not_below(name: &str, value: u64, count: usize) -> Damaged {
-    Damaged(format!("{name} = {value}: must be below {count}"))
+    Damaged(format!("the saved value '{name}' is {value}, but must be below {count}"))
 }
 
 /// Writes numbers for [`Record::numbers`].

@@ -59,7 +59,7 @@ const INSPECTORS: [Inspector; KINDS.len()] =
 #[cold]
 fn no_kind(file: &str) -> Refused {
     let files = Component::definition_files().join(" or ");
-    Refused(format!("'{file}' is not the name of a definition file; use {files}"))
+    Refused(format!("'{file}' is not the name of a definition file; name the file {files}"))
 }
 
 impl Component {

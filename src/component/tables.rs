@@ -30,8 +30,8 @@ impl Component {
             Ok(sections) => Ok(((kind.construct)(text, sections.map(Arc::new))?, None)),
             Err(why) => {
                 let remark = format!(
-                    "'{}' {why}: the tables are computed again, so this instance starts more slowly; package the \
-                     model again, or remove the file",
+                    "'{}' {why}: this instance computes the content of the file itself, so it starts more slowly; \
+                     package the model again, or remove the file",
                     folder.join(TABLES).display()
                 );
                 Ok(((kind.construct)(text, None)?, Some(remark)))

@@ -68,7 +68,7 @@ const fn most<T>() -> usize {
 #[cold]
 fn refuse(name: &str, count: usize, is_null: bool, unaligned: Option<usize>) -> Refusal {
     Refusal::error(match (is_null, unaligned) {
-        (true, _) => format!("the array '{name}' of {count} elements is NULL"),
+        (true, _) => format!("the array '{name}' is NULL; pass an array of {count} elements"),
         (_, Some(bytes)) => format!("the array '{name}' is not aligned to {bytes} bytes"),
         _ => format!("the array '{name}' of {count} elements is larger than memory"),
     })

@@ -85,7 +85,7 @@ impl Instance {
                 let name = self.described(known).map_or("", |(name, _)| name);
                 Err(Refusal::warning(format!(
                     "the adjoint derivative with respect to {name} is larger than the largest number, so the result \
-                     is NaN; use smaller seeds"
+                     is NaN; pass smaller seeds"
                 )))
             }),
             _ => self.warn(&undefined, "derivative", why_undefined),

@@ -85,14 +85,16 @@ impl Saved {
         };
         if bytes.len() < HEADER + CHECK {
             return refuse(format!(
-                "the serialized state is incomplete: only {} bytes were passed, fewer than the header of a state has",
+                "the serialized state is incomplete: only {} bytes were passed, fewer than the header of a state \
+                 has; pass all bytes of the state",
                 bytes.len()
             ));
         }
         let version = number(8..12);
         if version != u64::from(VERSION) {
             return refuse(format!(
-                "the serialized state has format version {version}, but this library reads version {VERSION}"
+                "the serialized state has format version {version}, but this library reads version {VERSION}; \
+                 serialize the state again with this library"
             ));
         }
         let length = number(12..20);
@@ -100,17 +102,23 @@ impl Saved {
             let what = if length > bytes.len() as u64 { "incomplete" } else { "too long" };
             return refuse(format!(
                 "the serialized state is {what}: the header of the state states {length} bytes, but {} bytes were \
-                    passed",
+                 passed; pass exactly the bytes of the state",
                 bytes.len()
             ));
         }
         let (all, check) = bytes.split_at(bytes.len() - CHECK);
         if check != xxh64(all).to_le_bytes() {
-            return refuse("the serialized state is damaged: the check sum is wrong".to_owned());
+            return refuse(
+                "the serialized state is damaged: the check sum is wrong; serialize the state again".to_owned(),
+            );
         }
         let ([guid, structure], own) = ([number(20..28), number(28..36)], component.identity());
         if guid != own[0] {
-            return refuse("the state was saved by another FMU, which has another GUID".to_owned());
+            return refuse(
+                "the state was saved by another FMU, which has another GUID; pass a state that this FMU \
+                saved"
+                    .to_owned(),
+            );
         }
         if structure != own[1] {
             let file = component.definition_file();
@@ -129,7 +137,7 @@ impl Saved {
                  instance, but no status that can be saved has this number"
             ));
         };
-        record.flag("event to be handled", &mut awaits_event).map_err(damaged)?;
+        record.flag("mark of an unhandled event", &mut awaits_event).map_err(damaged)?;
         record.flag("set up", &mut set_up).map_err(damaged)?;
         record_tolerance(&mut tolerance, &mut record).map_err(damaged)?;
         clock.record(&mut record).map_err(damaged)?;

@@ -2,10 +2,10 @@
 use super::{DefinitionError, line};
 
 /// Default of `license`: the licence of the library in every FMU.
-const LICENSE: &str =
-    "Library: MIT OR Apache-2.0, see documentation/licenses; model: as stated by the author of the model";
+const LICENSE: &str = "License of the library: MIT OR Apache-2.0, see documentation/licenses. License of the model: \
+                       as stated by its author";
 /// Default of `copyright`: the copyright of the library in every FMU.
-const COPYRIGHT: &str = "Library: The authors of linkage-fmu; model: the author of the model";
+const COPYRIGHT: &str = "Copyright of the library: the authors of linkage-fmu. Copyright of the model: its author";
 
 super::keys! {
     /// Author, copyright and licence of a model, one line of text each. The program writes the texts of `about` into

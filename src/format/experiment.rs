@@ -20,7 +20,7 @@ impl Experiment {
         let (step, stop) = (Decimal(self.step_size), Decimal(self.stop_time));
         let message =
             format!("the step size is {step} s, but stop_time is {stop} s, so the whole run is one step of {stop} s");
-        let remedy = "give a step_size that is smaller than stop_time";
+        let remedy = "give a `step_size` that is smaller than `stop_time`";
         (self.step_size > self.stop_time).then_some(("experiment.step_size", message, remedy))
     }
 

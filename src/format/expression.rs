@@ -247,7 +247,7 @@ impl<'t> Reader<'t> {
                     self.steps.push(Step::Unary(|x| -x));
                 }
             }
-            Token::Symbol(symbol) => return Err(format!("a value is missing before `{symbol}`")),
+            Token::Symbol(symbol) => return Err(format!("a value is missing before `{symbol}`: add the value")),
         }
         Ok(())
     }
@@ -263,7 +263,7 @@ impl<'t> Reader<'t> {
             self.list(name, count)?;
             self.steps.push(function);
         } else if is_called {
-            return Err(format!("`{name}` is not a function: the functions are {}", functions()));
+            return Err(format!("`{name}` is not a function: use one of the functions {}", functions()));
         } else if let Some((_, value)) = CONSTANTS.iter().find(|(constant, _)| *constant == name) {
             self.steps.push(Step::Number(*value));
         } else {
@@ -295,7 +295,7 @@ impl<'t> Reader<'t> {
             return Err(self.misplaced());
         }
         if found != count {
-            return Err(format!("`{of}` needs {count} values"));
+            return Err(format!("`{of}` needs {count} values: write the values in parentheses, separated by commas"));
         }
         self.at += 1;
         self.open -= 1;
@@ -310,7 +310,7 @@ impl<'t> Reader<'t> {
             Some(Token::Symbol(',')) => {
                 "`,` separates two values of a function: write decimals with a point, such as 0.5".to_owned()
             }
-            Some(token) => format!("an operator is missing before `{}`", shown(token)),
+            Some(token) => format!("an operator is missing before `{}`: add an operator, such as *", shown(token)),
         }
     }
 }
@@ -335,7 +335,8 @@ fn tokens(text: &str) -> Result<Vec<Token<'_>>, String> {
                 }
                 let number: Option<f64> = text[at..end].parse().ok();
                 let number = number.filter(|number| number.is_finite());
-                let number = number.ok_or_else(|| format!("`{}` is not a finite number", &text[at..end]))?;
+                let number = number
+                    .ok_or_else(|| format!("`{}` is not a finite number: correct this number", &text[at..end]))?;
                 tokens.push(Token::Number(number));
                 end
             }

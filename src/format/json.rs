@@ -165,7 +165,7 @@ impl Parser<'_> {
             _ => {
                 let words = [("true", Json::Flag(true)), ("false", Json::Flag(false)), ("null", Json::Null)];
                 let found = words.into_iter().find(|(word, _)| self.text[start..].starts_with(word));
-                let (word, json) = found.ok_or_else(|| self.fault("a value is missing here"))?;
+                let (word, json) = found.ok_or_else(|| self.fault("a value is missing here: add the value"))?;
                 self.at += word.len();
                 json
             }
@@ -177,7 +177,10 @@ impl Parser<'_> {
 
     fn nested(&mut self, read: fn(&mut Self) -> Result<Json, Stop>) -> Result<Json, Stop> {
         if self.depth == DEEPEST {
-            return Err(self.fault("more than 128 brackets are nested, but a definition needs only a few levels"));
+            return Err(self.fault(
+                "more than 128 brackets are nested, but a definition needs only a few levels: \
+                remove brackets",
+            ));
         }
         self.at += 1;
         self.depth += 1;
@@ -193,7 +196,7 @@ impl Parser<'_> {
         while self.peek() != Some(b'}') || !members.is_empty() {
             let start = self.at;
             if self.peek() != Some(b'"') {
-                return Err(self.fault("a key in double quotes is missing here"));
+                return Err(self.fault("a key in double quotes is missing here: add the key"));
             }
             let key = self.text()?;
             let span = start..self.at;
@@ -310,7 +313,7 @@ impl Parser<'_> {
             self.digits()?;
         }
         // Rust accepts every number of JSON.
-        self.text[start..self.at].parse().map_err(|_| self.fault("a number is missing here"))
+        self.text[start..self.at].parse().map_err(|_| self.fault("a number is missing here: add the number"))
     }
 
     /// Skips one or more digits and returns their number.
@@ -319,7 +322,7 @@ impl Parser<'_> {
         while matches!(self.peek(), Some(b'0'..=b'9')) {
             self.at += 1;
         }
-        if self.at == start { Err(self.fault("a digit is missing here")) } else { Ok(self.at - start) }
+        if self.at == start { Err(self.fault("a digit is missing here: add the digit")) } else { Ok(self.at - start) }
     }
 }
 

@@ -76,7 +76,7 @@ impl fmt::Display for HydraulicsError {
                      0"
                 )
             }
-            Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
+            Self::Output { name } => write!(f, "{name} is an output and cannot be set: set an input or a parameter"),
             Self::Value { name, value, allowed } => write!(f, "{name} = {}: must be {allowed}", Decimal(*value)),
             Self::Text { name, value, allowed } => write!(f, "{name} = \"{value}\": must be {allowed}"),
             Self::Derivative { what, reason } => write!(f, "{what}: {reason}"),

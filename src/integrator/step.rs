@@ -45,7 +45,7 @@ macro_rules! on_stages {
 }
 
 /// Message for stages of a method that a system does not use. The code of such a method is not compiled for the system.
-pub(super) const FOREIGN: &str = "a step by a method that suits its system";
+pub(super) const FOREIGN: &str = "internal fault: this system has no step of this integration method";
 
 macro_rules! into_stages {
     ($($method:ident: $stages:ty),*) => {

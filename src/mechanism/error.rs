@@ -118,16 +118,16 @@ impl ModelError {
     #[cold]
     pub fn travel((stretch, end): (&Reduced, End), sigma: f64) -> Self {
         let reason = match end {
-            End::OfTravel => "limit the loads or the duration of the run".into(),
+            End::OfTravel => "reduce the loads, or end the run earlier".into(),
             End::OfNumbers => format!(
                 "at {:.0e} m from the guess ({:.0e} times the size of the largest body), the rounding errors of \
-                 positions are larger than the mechanism; limit the loads or the duration of the run, or add a stop",
+                 positions are larger than the mechanism; reduce the loads, end the run earlier, or add a stop",
                 stretch.curve().farthest * stretch.linkage().size,
                 stretch.curve().farthest
             ),
             End::Failed(error @ ReductionError::EndsMeet { .. }) => error.to_string(),
             End::Failed(error) => {
-                format!("{error}; or limit the loads or the duration of the run, or add a stop before this position")
+                format!("{error}; or reduce the loads, end the run earlier, or add a stop before this position")
             }
         };
         Self::Travel { position: stretch.curve().describe(sigma, 0.0), reason }
@@ -177,8 +177,8 @@ impl fmt::Display for ModelError {
             ),
             Self::StopPassed { name, value, time } => write!(
                 f,
-                "{name} = {} {}: the mechanism reaches this stop {} s after the start of the step, but solver.method = \
-                 \"rigid_fem\" has no stops; end the run earlier, set enabled of the stop to false, or choose \
+                "{name} = {} {}: the mechanism reaches this stop {} s after the start of the step, but solver.method \
+                 = \"rigid_fem\" has no stops; end the run earlier, set `enabled` of the stop to false, or choose \
                  solver.method = \"reduced\"",
                 Decimal(*value),
                 unit_of(name),
@@ -204,7 +204,7 @@ impl fmt::Display for ModelError {
                     Decimal(*value)
                 )
             }
-            Self::Output { name } => write!(f, "{name} is an output and cannot be set"),
+            Self::Output { name } => write!(f, "{name} is an output and cannot be set: set an input or a parameter"),
             Self::Table { name, position } => write!(
                 f,
                 "{name} has no value near {position}: as a function of the position of the mechanism, {name} is \
@@ -233,8 +233,8 @@ impl fmt::Display for ModelError {
             ),
             Self::BeyondStop { name, value, start } => write!(
                 f,
-                "stops.{name} = {} {unit}: the start, at {} {unit}, is beyond this stop; move the start or the \
-                 stop, or set enabled of the stop to false{}",
+                "stops.{name} = {} {unit}: the start, at {} {unit}, is beyond this stop; move the start or the stop, \
+                 or set `enabled` of the stop to false{}",
                 Decimal::rounded(*value),
                 Decimal::rounded(*start),
                 if name.ends_with(".angle") { if_degrees(*start) } else { String::new() },
@@ -245,8 +245,8 @@ impl fmt::Display for ModelError {
             }
             Self::TooManyBumpers { count, limit } => write!(
                 f,
-                "stops: {count} bumpers are enabled, but at most {limit} are allowed; for some bumpers, set enabled to \
-                 false or rigid to true"
+                "stops: {count} bumpers are enabled, but at most {limit} are allowed; for some bumpers, set \
+                 `enabled` to false or `rigid` to true"
             ),
             Self::LockStill { name, stop, position } => write!(
                 f,
@@ -293,8 +293,8 @@ impl fmt::Display for ModelError {
             }
             Self::Massless { bodies } => write!(
                 f,
-                "no body has a mass, so forces cannot move the mechanism: give a mass to one of {bodies}, or prescribe \
-                 the motion of a drive (key motion in actuators)"
+                "no body has a mass, so forces cannot move the mechanism: give a mass to one of {bodies}, or \
+                 prescribe the motion of a drive (key `motion` in `actuators`)"
             ),
             Self::Interrupted { why, .. } => f.write_str(why),
             Self::Travel { position, reason } => {

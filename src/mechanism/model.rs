@@ -381,7 +381,7 @@ impl Model {
         let position = state.describe(reduced);
         Some(format!(
             "the mechanism is at {position}, outside the part of its travel that was computed before the first step: \
-             further tables are computed during the run"
+             the FMU computes the next part during the run"
         ))
     }
 

@@ -277,7 +277,7 @@ fn a_belt_needs_friction_that_does_not_stick() {
     assert_says(refusal(stick), &pieces);
     let mut bare = parcel(0.5, [0.3, 0.2], [0.01, 2.0]);
     bare.as_object_mut().unwrap().remove("friction");
-    assert_says(refusal(bare), &["joints.slide.surface_speed", "add the key friction"]);
+    assert_says(refusal(bare), &["joints.slide.surface_speed", "add the key `friction`"]);
     let pin = machine(1.0, json!({ "joints": { "wrist": { "surface_speed": 1 } } }));
     assert_says(refusal(pin), &["joints.wrist.surface_speed", "add pin_radius"]);
     let incline =

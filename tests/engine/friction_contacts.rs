@@ -346,7 +346,7 @@ fn a_turning_follower_rubs_on_its_cam() {
 fn what_cannot_rub_is_refused() {
     let own = json!({ "follower": "flat", "kinetic_coefficient": 0.2 });
     let cam = parsed(&translating("cycloidal", own));
-    assert_says(refusal(cam.clone()), &["couplings.cam.kinetic_coefficient", "add the key friction"]);
+    assert_says(refusal(cam.clone()), &["couplings.cam.kinetic_coefficient", "add the key `friction`"]);
     let sticking = json!({ "friction": friction([0.1; 2], [0.0; 2]).with(json!({ "law": "stick" })) });
     assert_says(refusal(cam.clone().with(sticking.clone())), &["couplings.cam.kinetic_coefficient", "0.1", "0.2"]);
     let grooved = json!({ "couplings": { "cam": { "grooved": true } } }).with(sticking);

@@ -224,7 +224,7 @@ fn a_backward_efficiency_counts_where_power_flows_back() {
     let flows_on = (J2 * I * forward - 4.0) * I >= 0.0;
     assert_near(run.get("one.acceleration"), if flows_on { forward } else { back }, 1e-11 * forward.abs(), "lossless");
     text["couplings"]["mesh"].as_object_mut().unwrap().remove("efficiency");
-    assert_says(refusal(&text), &["couplings.mesh.backward_efficiency", "add the key efficiency"]);
+    assert_says(refusal(&text), &["couplings.mesh.backward_efficiency", "add the key `efficiency`"]);
 }
 
 /// A worm: little of the load's torque arrives at the first shaft, where a constant friction holds it.

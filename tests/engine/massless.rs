@@ -228,11 +228,11 @@ fn without_a_motion_there_is_a_travel_and_no_run() {
     run.near("crank.angle", 0.7, 1e-15);
     assert!(run.variables().find("crank.acceleration").is_none() && run.variables().find("m.acceleration_x").is_none());
     let before = run.saved();
-    assert_says(run.0.step(0.1).unwrap_err(), &["no body has a mass", "one of coupler, crank, rocker", "key motion"]);
+    assert_says(run.0.step(0.1).unwrap_err(), &["no body has a mass", "one of coupler, crank, rocker", "key `motion`"]);
     assert_eq!(before, run.saved());
     assert_says(run.serve_exchange().unwrap_err(), &["without masses", "use co-simulation"]);
     assert_says(run.equilibria().unwrap_err(), &["no body has a mass"]);
-    assert_says(run.warnings().join("\n"), &["bodies: no body has a mass and no drive has the key motion"]);
+    assert_says(run.warnings().join("\n"), &["bodies: no body has a mass and no drive has the key `motion`"]);
     let sweep = run.sweep(90).unwrap();
     assert!(sweep.is_closed);
     // The facts of `check`.

@@ -23,7 +23,7 @@ fn warnings_of_a_definition_are_logged_at_instantiation() {
     assert_ne!(odd, GEAR);
     let said = warnings(&instance("warnings", &odd, true));
     assert!(said.len() == 2, "{said:?}");
-    assert!(said[0].starts_with("friction: the key enabled is missing"), "{said:?}");
+    assert!(said[0].starts_with("friction: the key `enabled` is missing"), "{said:?}");
     assert!(said[1].starts_with("gravity.up_angle: 65 rad") && said[1].contains("if you mean 65 degrees"), "{said:?}");
     assert_eq!(warnings(&instance("silent", &odd, false)), [""; 0]);
 }

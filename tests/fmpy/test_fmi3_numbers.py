@@ -189,7 +189,7 @@ def test_licences_are_listed_and_packed() -> None:
             animation = archive.read("documentation/animation.html").decode()
         for name in ("license.txt", "LICENSE-MIT", "LICENSE-APACHE", "THIRD-PARTY.txt"):
             assert f"documentation/licenses/{name}" in names
-        assert 'license="Library: MIT OR Apache-2.0' in description
+        assert 'license="License of the library: MIT OR Apache-2.0' in description
         assert 'copyright="' in description
         assert "nalgebra" in notices
         assert "Leon Sorokin" in notices

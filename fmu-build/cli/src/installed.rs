@@ -59,7 +59,8 @@ pub fn command() -> Command {
         (
             "package",
             "platforms",
-            "Platforms whose libraries are packed, if the program contains them [default: this machine]",
+            "Platforms on which the FMU must run, separated by commas; the program must contain their libraries \
+             [default: this machine]",
         ),
         (
             "package",
@@ -78,14 +79,14 @@ pub fn command() -> Command {
         (
             "optimise",
             "out",
-            "Folder for the results (best design, its picture, evaluations.parquet) [default: a folder with the name \
+            "Folder for the results: best design, its picture and evaluations.parquet [default: a folder with the name \
              of the study, in the current folder]",
         ),
         (
             "sweep",
             "out",
-            "Folder for the results (runs.parquet) [default: a folder with the name of the study, in the current \
-             folder]",
+            "Folder for the results, such as runs.parquet [default: a folder with the name of the study, in the \
+             current folder]",
         ),
     ];
     for (task, argument, help) in helps {
@@ -95,7 +96,8 @@ pub fn command() -> Command {
     command = command.mut_subcommand("demo", |task| task.mut_arg("gallery", |argument| argument.hide(true)));
     // A static library is built from the source.
     command = command.mut_subcommand("package", |task| task.mut_arg("statics", |argument| argument.hide(true)));
-    command.mut_subcommand("package", |task| task.about("Pack mechanisms as FMUs: <Name>.fmu and <Name>.fmi3.fmu"))
+    command
+        .mut_subcommand("package", |task| task.about("Pack each mechanism as an FMU: <Name>.fmu and <Name>.fmi3.fmu"))
 }
 
 #[cfg(test)]

@@ -29,13 +29,13 @@ pub struct Cli {
 /// The commands of `cargo fmu`.
 #[derive(Subcommand)]
 pub enum Task {
-    /// Pack mechanisms as FMUs: target/fmu/<Name>.fmu and <Name>.fmi3.fmu
+    /// Pack each mechanism as an FMU: <Name>.fmu for FMI 2.0 and <Name>.fmi3.fmu for FMI 3.0
     #[command(after_help = examples::PACKAGE)]
     Package(Package),
-    /// Check a mechanism: print errors, warnings, masses, range of motion, drives, equilibria
+    /// Check a mechanism: print errors, warnings, masses, range of motion, drives and equilibria
     #[command(after_help = examples::CHECK)]
     Check(Check),
-    /// List the interface of an FMU or a mechanism: variables, default experiment, platforms
+    /// List the interface of an FMU or a mechanism: variables, default experiment and platforms
     #[command(after_help = examples::INFO)]
     Info(Info),
     /// Check that an FMU is complete and follows the FMI standard
@@ -47,13 +47,14 @@ pub enum Task {
     /// Simulate a mechanism or an FMU without another simulation tool, and write CSV, Parquet, a plot or a film
     #[command(after_help = examples::SIMULATE)]
     Simulate(Simulate),
-    /// Convert a file of another program to a definition: PMKS, Pyslvs, MuJoCo, URDF, a table of joints
+    /// Convert a file of another program to a definition file: PMKS, PMKS+, Pyslvs, MuJoCo, URDF, SDF or a table of
+    /// joints
     #[command(after_help = examples::IMPORT)]
     Import(Import),
-    /// Linearise a mechanism along its travel: eigenfrequency, damping ratio, state-space matrices
+    /// Linearise a mechanism along its travel: compute eigenfrequency, damping ratio and state-space matrices
     #[command(after_help = examples::LINEARISE)]
     Linearise(Linearise),
-    /// Simulate all variants of a study: design of experiments, tolerances, load cases
+    /// Simulate all variants that a study describes: a design of experiments, tolerances or load cases
     #[command(after_help = examples::SWEEP)]
     Sweep(Sweep),
     /// Search for the best design of a mechanism: minimise or maximise a response within limits
@@ -62,10 +63,10 @@ pub enum Task {
     /// Simulate the retraction of the example landing gear with FMPy, and write results, table and plot
     #[command(after_help = examples::DEMO)]
     Demo(Demo),
-    /// Build the documentation as a website that works without a network: target/docs
+    /// Build the documentation as a website in target/docs, which works without a network
     #[command(after_help = examples::DOCS)]
     Docs(Docs),
-    /// Write the definition of a chain of N four-bar linkages, a benchmark for multibody programs
+    /// Write the definition file of a chain of four-bar linkages, a benchmark for multibody programs
     #[command(after_help = examples::CHAIN)]
     Chain(Chain),
     /// Recompute with FMPy the results of the papers on which the models are based, and write validation/report.md,
@@ -75,10 +76,10 @@ pub enum Task {
     /// Build a Python wheel of this program, for machines without Rust
     #[command(after_help = examples::DIST)]
     Dist(Dist),
-    /// Run all tests: Rust, packaging, Python style, FMPy, documentation, wheel, pages in a browser
+    /// Run all tests: Rust, packaging, Python style, FMPy, documentation, Python wheel, and pages in a browser
     #[command(after_help = examples::TEST)]
     Test(Test),
-    /// Run the benchmarks
+    /// Run a benchmark, such as a comparison of run times
     #[command(after_help = examples::BENCH)]
     Bench(Bench),
 }
@@ -89,10 +90,10 @@ pub struct Check {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH", required = true)]
     pub paths: Vec<PathBuf>,
-    /// Print errors, warnings and facts as a JSON list with one object for each path
+    /// Print the errors, warnings and computed values as a JSON list with one object for each path
     #[arg(long)]
     pub json: bool,
-    /// Exit with code 1 if there is an error or a warning [default: code 1 only for errors]
+    /// Exit with code 1 also if there is a warning [default: code 1 only if there is an error]
     #[arg(long)]
     pub deny_warnings: bool,
 }
@@ -122,34 +123,34 @@ pub struct View {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "MECHANISM")]
     pub path: PathBuf,
-    /// File for the page, or folder for the page <Name>.html [default: target/view in the repository]
+    /// File for the page, or folder in which the page <Name>.html is written [default: target/view in the repository]
     #[arg(long, value_name = "FILE")]
     pub out: Option<PathBuf>,
     /// Open the page in the browser
     #[arg(long)]
     pub open: bool,
-    /// Open an editor for the definition next to the moving mechanism. The page of --live shows the motion after each
-    /// change, until you stop the command with Ctrl-C
+    /// Open a page with an editor for the definition next to the moving mechanism. The page of --live shows the motion
+    /// after each change, until you stop the command with Ctrl-C
     #[arg(long, conflicts_with_all = ["out", "start_values", "compare", "compare_set"])]
     pub live: bool,
-    /// Network port of the page of --live on 127.0.0.1 [default: a free port]
+    /// Network port on 127.0.0.1 for the page that --live opens [default: a free port]
     #[arg(
         long, value_name = "PORT", requires = "live",
         conflicts_with_all = ["out", "start_values", "compare", "compare_set"]
     )]
     pub port: Option<u16>,
-    /// End time of the motion [s] [default: stop_time of the definition]
+    /// End time of the motion in seconds [default: stop_time of the definition]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     pub stop_time: Option<f64>,
     /// Start values of inputs and parameters: pairs of a variable name and a value, such as actuator.force 2e4
     /// crank.start_angle 45deg [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// Second definition or FMU for comparison, with dashed outlines in the drawing and dashed lines in the plots
+    /// Second definition or FMU for comparison. The drawing and the plots show the second mechanism with dashed lines
     #[arg(long, value_name = "MECHANISM")]
     pub compare: Option<PathBuf>,
-    /// Start values of the second run, which replace values of --start-values. Without --compare, the second run uses
-    /// the definition of the first run
+    /// Start values of the second run, in the form of --start-values. A value in --compare-set replaces the value of
+    /// the same variable in --start-values. Without --compare, the second run uses the definition of the first run
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub compare_set: Vec<String>,
 }
@@ -160,52 +161,53 @@ pub struct Simulate {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Start time of the run [s]
+    /// Start time of the run in seconds
     #[arg(long, value_name = "S", default_value_t = 0.0, allow_negative_numbers = true, value_parser = seconds)]
     pub start_time: f64,
-    /// End time of the run [s] [default: stop_time of the definition]
+    /// End time of the run in seconds [default: stop_time of the definition]
     #[arg(long, value_name = "S", allow_negative_numbers = true, value_parser = seconds)]
     pub stop_time: Option<f64>,
-    /// Time between two rows of the output, and communication step [s] [default: step_size of the definition, doubled
-    /// until there are at most 1000 rows]
+    /// Time between two rows of the output in seconds, which is also the communication step [default: step_size of the
+    /// definition, doubled until there are at most 1000 rows]
     #[arg(long, value_name = "S", value_parser = seconds)]
     pub output_interval: Option<f64>,
-    /// Relative tolerance of the integration [1] [default: solver.tolerance of the definition]
+    /// Relative tolerance of the integration, a fraction of 1 such as 1e-6 [default: solver.tolerance of the
+    /// definition]
     #[arg(long, value_name = "REL", value_parser = part)]
     pub relative_tolerance: Option<f64>,
-    /// Parameter set of SSP (SSV file) with start values of inputs and parameters. The program converts each value from
-    /// its unit in the file to the unit of the variable. A value in --start-values replaces the value of the same
-    /// variable in the file
+    /// File with start values of inputs and parameters: a parameter set of the SSP standard (.ssv). The program
+    /// converts each value from its unit in the file to the unit of the variable. A value in --start-values replaces
+    /// the value of the same variable in the file
     #[arg(long, value_name = "SSV")]
     pub parameters: Option<PathBuf>,
-    /// Start values of inputs and parameters: pairs of a name and a value, or name=value. A number without a unit is in
-    /// SI units. A number can have a unit: the display unit of the variable (45deg), or a common unit (30kN) [default:
-    /// values of the definition]
+    /// Start values of inputs and parameters: pairs of a variable name and a value, or name=value. A number without a
+    /// unit is in SI units. A number can have a unit: the display unit of the variable (45deg), or a common unit (30kN)
+    /// [default: values of the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// CSV file with inputs over time. The first column of the file is `time` [s]. Numeric inputs change linearly
-    /// between two rows. Boolean inputs keep their value until the next row. Two rows with equal times define a jump of
-    /// the inputs
+    /// CSV file with inputs over time. The first column of the file is `time` in seconds. Numeric inputs change
+    /// linearly between two rows. Boolean inputs keep their value until the next row. Two rows with equal times define
+    /// a jump of the inputs
     #[arg(long, value_name = "CSV")]
     pub input_file: Option<PathBuf>,
-    /// Also set the time derivatives of the inputs: the inputs then change within a communication step, and a
-    /// communication step ends at each time of the input file
+    /// Also set the time derivatives of the inputs, so that the inputs change within a communication step. A
+    /// communication step then ends at each time of the input file
     #[arg(long, requires = "input_file")]
     pub set_input_derivatives: bool,
     /// Variables to record [default: all outputs]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub output_variables: Vec<String>,
-    /// File for the recorded variables: CSV, or Parquet if the name ends in .parquet. The first column of the file is
-    /// `time` [s]
+    /// File for the recorded variables: Parquet if the name ends in .parquet, otherwise CSV. The first column of the
+    /// file is `time` in seconds
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
-    /// Plot of the recorded variables: .png, .svg or .pdf file. Needs Python
+    /// File for a plot of the recorded variables (.png, .svg or .pdf). The option --plot needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Variable on the horizontal axis of the plot, which is also recorded [default: time]
+    /// Variable on the horizontal axis of the plot. The program also records this variable [default: time]
     #[arg(long, value_name = "VARIABLE", requires = "plot")]
     pub x: Option<String>,
-    /// Film of the moving mechanism: .gif file
+    /// File for a film of the moving mechanism (.gif)
     #[arg(long, value_name = "FILE")]
     pub gif: Option<PathBuf>,
 }
@@ -256,13 +258,13 @@ fn part(text: &str) -> Result<f64, String> {
 /// Arguments of `import`.
 #[derive(Args)]
 pub struct Import {
-    /// File to convert, or the web address of a mechanism in PMKS or PMKS+, in quotation marks
+    /// File to convert, or the web address (URL) of a mechanism in PMKS or PMKS+, in quotation marks
     #[arg(value_name = "FILE")]
     pub path: PathBuf,
     /// Format of the file [default: recognised from the file name or the first characters of the file]
     #[arg(long, value_enum, value_name = "FORM")]
     pub form: Option<ImportForm>,
-    /// File for the definition (.json) [default: standard output]
+    /// File for the converted definition (.json) [default: standard output]
     #[arg(long, short, value_name = "FILE")]
     pub out: Option<PathBuf>,
 }
@@ -270,9 +272,9 @@ pub struct Import {
 /// Formats that `import` reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum ImportForm {
-    /// PMKS: text with one line per joint, a link, or JSON
+    /// PMKS: text with one line for each joint, a web address, or JSON
     Pmks,
-    /// PMKS+ (web program): a file or a link
+    /// PMKS+ (web program): a file, or a web address
     PmksPlus,
     /// Pyslvs: an expression M[J[...], ...]
     Pyslvs,
@@ -282,7 +284,7 @@ pub enum ImportForm {
     Urdf,
     /// SDF file of Gazebo (XML)
     Sdf,
-    /// Table of joints: CSV with the columns type, x [m], y [m], angle [deg], links, driven
+    /// Table of joints: CSV file with the columns type, x (in m), y (in m), angle (in degrees), links and driven
     Table,
 }
 
@@ -292,32 +294,34 @@ pub struct Linearise {
     /// Definition file (mechanism.json), folder that contains a definition file, or FMU
     #[arg(value_name = "PATH")]
     pub path: PathBuf,
-    /// Coordinate of the linearisation: an angle [rad] or a position [m], such as crank.angle. The coordinate and its
-    /// time derivative are the first two states [default: the coordinate in the key start of the definition]
+    /// Coordinate of the linearisation: an angle or a position, such as crank.angle. The coordinate and its time
+    /// derivative are the first two states [default: the coordinate that the key `start` of the definition names]
     #[arg(long, value_name = "NAME")]
     pub coordinate: Option<String>,
-    /// Inputs of the matrices B and D [default: all inputs on which the acceleration depends]
+    /// Inputs of the model, which define the columns of the matrices B and D [default: all inputs on which the
+    /// acceleration depends]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub inputs: Vec<String>,
-    /// Outputs of the matrices C and D [default: the coordinate of the linearisation]
+    /// Outputs of the model, which define the rows of the matrices C and D [default: the coordinate of the
+    /// linearisation]
     #[arg(long, value_name = "NAME", num_args = 1..)]
     pub outputs: Vec<String>,
-    /// Force [N] or torque [N.m] of the drive that holds the mechanism at each position, such as servo.torque [default:
-    /// no drive holds the mechanism, which is then in equilibrium only at some positions]
+    /// Force or torque of the drive that holds the mechanism at each position, such as servo.torque [default: no drive
+    /// holds the mechanism, which is then in equilibrium only at some positions]
     #[arg(long, value_name = "NAME")]
     pub held_by: Option<String>,
-    /// Number of equal parts into which the travel is divided [1]
+    /// Number of equal parts into which the program divides the travel
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
     pub count: u32,
-    /// Start values of inputs and parameters: pairs of a name and a value, or name=value [default: values of the
-    /// definition]
+    /// Start values of inputs and parameters: pairs of a variable name and a value, or name=value [default: values of
+    /// the definition]
     #[arg(long, value_name = "NAME VALUE", num_args = 1.., allow_negative_numbers = true)]
     pub start_values: Vec<String>,
-    /// CSV file for the values along the travel [default: standard output]
+    /// CSV file for the results along the travel [default: standard output]
     #[arg(long, value_name = "FILE")]
     pub output_file: Option<PathBuf>,
-    /// Plot of eigenfrequency [Hz], damping ratio and eigenvalues over the coordinate: .png, .svg or .pdf
-    /// file. Needs Python
+    /// File for a plot of eigenfrequency, damping ratio and eigenvalues over the coordinate (.png, .svg or .pdf). The
+    /// option --plot needs Python
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
 }
@@ -325,16 +329,16 @@ pub struct Linearise {
 /// Arguments of `sweep`.
 #[derive(Args, Default)]
 pub struct Sweep {
-    /// Study: JSON file with mechanism, factors, scenario and responses
+    /// Study file (JSON), which names the mechanism, its factors, the scenario and the responses
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
-    /// Folder for the results (runs.parquet) [default: target/sweep/<name of the study> in the repository]
+    /// Folder for the results, such as runs.parquet [default: target/sweep/<name of the study> in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write the results of all runs as runs.csv
+    /// Also write the results of all runs as a CSV file, runs.csv
     #[arg(long)]
     pub csv: bool,
-    /// Draw the results of the study: write page.html for the browser, and PNG pictures
+    /// Also draw the results of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
     /// Continue a study that was stopped before its last run
@@ -343,10 +347,12 @@ pub struct Sweep {
     /// Number of threads that simulate the runs [default: one for each processor core]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Number of Dask worker processes on this machine, which simulate the runs with the FMU
+    /// Number of Dask worker processes on this machine. The workers simulate the runs with the FMU [default: threads of
+    /// this program simulate the runs]
     #[arg(long, value_name = "N", conflicts_with = "threads", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub workers: Option<u16>,
-    /// Address of a Dask scheduler, such as tcp://10.0.0.1:8786, whose workers simulate the runs with the FMU
+    /// Address of a Dask scheduler, such as tcp://10.0.0.1:8786. The workers of the scheduler simulate the runs with
+    /// the FMU
     #[arg(long, value_name = "ADDRESS", conflicts_with_all = ["threads", "workers"])]
     pub scheduler: Option<String>,
 }
@@ -354,17 +360,18 @@ pub struct Sweep {
 /// Arguments of `optimise`.
 #[derive(Args, Default)]
 pub struct Optimise {
-    /// Study: JSON file with mechanism, factors with bounds, scenario, responses and an objective
+    /// Study file (JSON), which names the mechanism, the factors with their bounds, the scenario, the responses and an
+    /// objective
     #[arg(value_name = "STUDY")]
     pub study: PathBuf,
     /// Folder for the results (best design, its picture, evaluations.parquet) [default: target/optimise/<name of the
     /// study> in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Also write all evaluations as evaluations.csv
+    /// Also write all evaluations as a CSV file, evaluations.csv
     #[arg(long)]
     pub csv: bool,
-    /// Draw the evaluations of the study: write page.html for the browser, and PNG pictures
+    /// Also draw the evaluations of the study: write page.html for the browser, and PNG pictures
     #[arg(long)]
     pub page: bool,
     /// Number of threads that simulate the runs [default: one for each processor core]
@@ -375,17 +382,18 @@ pub struct Optimise {
 /// Arguments of `demo`.
 #[derive(Args)]
 pub struct Demo {
-    /// Retract the landing gear with the hydraulic actuator: compare two FMUs, coupled in several ways, with one FMU
-    /// that contains both models
+    /// Retract the landing gear with the hydraulic actuator. The demo compares two FMUs, which are coupled in several
+    /// ways, with one FMU that contains both models
     #[arg(long)]
     pub hydraulic: bool,
-    /// Retract and extend a landing gear with door, locks and one hydraulic system: three FMUs of an SSP package
+    /// Retract and extend a landing gear with door, locks and one hydraulic system. The models are three FMUs of an SSP
+    /// package
     #[arg(long, conflicts_with = "hydraulic")]
     pub system: bool,
-    /// Write a film of each mechanism in docs/gallery: a GIF file next to the definition
+    /// Write a film of each mechanism in docs/gallery, as a GIF file next to the definition
     #[arg(long, conflicts_with_all = ["hydraulic", "system"])]
     pub gallery: bool,
-    /// Folder for the results [default: target/demo; with --gallery docs/gallery]
+    /// Folder for the results [default: target/demo, or docs/gallery with --gallery]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }
@@ -407,7 +415,8 @@ pub struct Chain {
     /// Number of four-bar linkages, at most 80
     #[arg(value_parser = clap::value_parser!(u32).range(1..=LONGEST_CHAIN))]
     pub count: u32,
-    /// File whose name ends in .json, or folder in which resources/mechanism.json is written [default: standard output]
+    /// File for the definition (.json), or folder in which resources/mechanism.json is written [default: standard
+    /// output]
     #[arg(long, value_name = "PATH")]
     pub out: Option<PathBuf>,
 }
@@ -423,8 +432,7 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Name and options of the benchmark; the list of benchmarks at the end of this help contains the names [default:
-    /// run times]
+    /// Name of the benchmark, followed by its options. The end of this help lists the benchmarks [default: run times]
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

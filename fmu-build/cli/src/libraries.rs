@@ -7,58 +7,61 @@ use std::path::PathBuf;
 /// Arguments of `package`.
 #[derive(Args, Clone, Default)]
 pub struct Package {
-    /// Definition file (mechanism.json), or folder that contains a definition file; with --ssp a system file
+    /// Definition file (mechanism.json), or folder that contains a definition file. With --ssp, system file
     /// (system.json) [default: modelDescription/LandingGearRetraction]
     #[arg(value_name = "PATH", conflicts_with = "all")]
     pub paths: Vec<PathBuf>,
     /// Pack every example mechanism and every example system in modelDescription/
     #[arg(long)]
     pub all: bool,
-    /// Pack each system as an SSP package <name>.ssp, and write the FMUs of the system too. A system file states the
-    /// mechanisms and circuits, their connections and values [default: the example systems in modelDescription/]
+    /// Pack each system as an SSP package <name>.ssp, and also write the FMUs of the system. A system file states the
+    /// mechanisms and circuits, and their connections and values [default: the example systems in modelDescription/]
     #[arg(long, conflicts_with = "all")]
     pub ssp: bool,
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option --binary can be given several times
+    /// Library for another platform, such as win64=path/to.dll. The library must be built on another machine from this
+    /// version of the program. Give --binary once for each library
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
-    /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu
+    /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu, and both writes both files
     #[arg(long, value_enum, default_value_t, value_name = "VERSION")]
     pub fmi: Fmi,
-    /// Convention of the variable names in modelDescription.xml. `structured`: dots divide the names into levels, for
-    /// simulation tools that show a tree. `flat`: dots in the names have no meaning. The names of the variables do not
-    /// depend on the convention
+    /// Attribute variableNamingConvention in modelDescription.xml. With `structured`, dots divide the variable names
+    /// into levels, for simulation tools that show a tree. With `flat`, dots have no meaning. The names of the
+    /// variables stay the same
     #[arg(long, value_enum, default_value_t, value_name = "CONVENTION")]
     pub naming: Naming,
-    /// Platforms whose libraries are built and packed [default: this machine]
+    /// Platforms on which the FMU must run, separated by commas. The program builds and packs a library for each
+    /// platform [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Pack the libraries that this machine can build, and list the missing platforms [default: a missing platform is
-    /// an error]
+    /// Pack only the libraries that this machine can build, and list the missing platforms [default: a missing platform
+    /// is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Put the library for ARM into binaries/linux64, for simulation tools that do not know aarch64-linux in FMI 2.0
+    /// Put the library for Linux on ARM into binaries/linux64, for simulation tools that do not know the platform
+    /// aarch64-linux in FMI 2.0
     #[arg(long, requires = "platforms")]
     pub compatible: bool,
     /// Oldest version of glibc (the C library of Linux) with which the FMU must run, 2.17 or later. The first use of
     /// --glibc installs the linker zig from PyPI
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
-    /// Add a static library for a target triple of Rust (such as x86_64-unknown-linux-gnu), for simulation tools that
-    /// link the code of FMUs statically. The option --static can be given several times
+    /// Add a static library for the platform with this Rust target triple, such as x86_64-unknown-linux-gnu. Simulation
+    /// tools can link the static library into a program. Give --static once for each platform
     #[arg(long = "static", value_name = "TARGET")]
     pub statics: Vec<String>,
-    /// Do not pack documentation/animation.html, the animation of the default experiment
+    /// Do not pack documentation/animation.html, a page that shows the motion of the default experiment
     #[arg(long)]
     pub no_animation: bool,
-    /// Do not pack the precomputed tables of the mechanism. With --no-tables, the FMU is smaller, but each instance of
-    /// the FMU must compute the tables
+    /// Do not pack the file tables.bin, which contains positions, masses and loads along the motion. With --no-tables,
+    /// the FMU is smaller, but an instance of the FMU starts more slowly, because the instance computes these values
+    /// itself
     #[arg(long)]
     pub no_tables: bool,
-    /// Do not pack the reference results of the default experiment
+    /// Do not pack the results of the default experiment, with which a simulation tool can compare its own results
     #[arg(long)]
     pub no_results: bool,
 }
@@ -85,8 +88,8 @@ pub enum Platform {
     /// macOS on Intel; the name of this platform in FMI 2.0 is darwin64
     #[value(name = "x86_64-darwin")]
     X86Mac,
-    /// macOS on ARM; the name of this platform in FMI 2.0 is darwin64. If x86_64-darwin is given too, one file contains
-    /// both libraries
+    /// macOS on ARM; the name of this platform in FMI 2.0 is darwin64. With x86_64-darwin, one file contains the
+    /// libraries for Intel and ARM
     #[value(name = "aarch64-darwin")]
     ArmMac,
 }
@@ -100,7 +103,7 @@ pub enum Fmi {
     /// FMI 3.0
     #[value(name = "3")]
     Three,
-    /// FMI 2.0 and FMI 3.0, one file for each version
+    /// FMI 2.0 and FMI 3.0: one file for each version
     #[default]
     Both,
 }
@@ -128,28 +131,27 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms for which the installed program can pack FMUs. The program itself runs on the platform of this
-    /// machine. With --platforms, the build makes a small program file and needs some minutes more [default: this
-    /// machine]
+    /// Platforms for which the installed program can pack FMUs, separated by commas. The program itself runs on the
+    /// platform of this machine. With --platforms, the program file is smaller, and the build needs some minutes more
+    /// [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
-    /// Build the libraries that this machine can build, and list the missing platforms [default: a missing platform is
-    /// an error]
+    /// Build only the libraries that this machine can build, and list the missing platforms [default: a missing
+    /// platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Library for another platform, built on another machine from this version of the program (win64=path/to.dll). The
-    /// option --binary can be given several times
+    /// Library for another platform, such as win64=path/to.dll. The library must be built on another machine from this
+    /// version of the program. Give --binary once for each library
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
-    /// 2.17 or later; with --glibc, the build links with zig [default: the glibc of this machine]
+    /// 2.17 or later. With --glibc, the linker zig links the program [default: the glibc of this machine]
     #[arg(long, value_name = "VERSION", value_parser = glibc)]
     pub glibc: Option<String>,
     /// Folder for the wheel and the source distribution [default: target/dist in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Install the wheel in a new virtual environment, and run the commands of the wheel in this environment without
-    /// Rust
+    /// After the build, install the wheel in a new virtual environment, and run its commands there without Rust
     #[arg(long)]
     pub test: bool,
 }
@@ -157,15 +159,15 @@ pub struct Dist {
 /// Arguments of `test`.
 #[derive(Args, Default)]
 pub struct Test {
-    /// Run only the test of other platforms: Wine and QEMU run the libraries, and the test compares the results with
-    /// this machine
+    /// Run only the test of other platforms: run their libraries with Wine and QEMU, and compare the results with this
+    /// machine
     #[arg(long)]
     pub platforms: bool,
-    /// Library for --platforms that was built on another machine (win64=path/to.dll). The option --binary can be given
-    /// several times
+    /// Library for --platforms that was built on another machine, such as win64=path/to.dll. Give --binary once for
+    /// each library
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library, requires = "platforms")]
     pub binaries: Vec<Library>,
-    /// Write the result of --platforms to validation/results/platforms.md
+    /// Write the results of the test of --platforms to validation/results/platforms.md
     #[arg(long, requires = "platforms")]
     pub write: bool,
     /// Run only the test that builds the library in two folders and compares the bytes

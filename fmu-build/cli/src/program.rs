@@ -10,7 +10,8 @@ use crate::Task;
 pub enum Program {
     /// Checks and shows mechanisms, and packs mechanisms as FMUs.
     Packer,
-    /// Runs, imports and studies mechanisms. Also contains the tasks of the packer.
+    /// Runs, imports and studies mechanisms. The program also contains the commands that check, show and pack
+    /// mechanisms.
     Studies,
 }
 

@@ -29,7 +29,7 @@ pub const X86_LINUX: Toolchain = Toolchain {
     triple: "x86_64-unknown-linux-gnu",
     extension: "so",
     linker: Some(("x86_64-linux-gnu-gcc", "gcc-x86-64-linux-gnu")),
-    debian: " (for Rust from the Debian package rustc-web, run: apt-get install libstd-rust-web-dev:amd64)",
+    debian: " (if Rust comes from the Debian package rustc-web, run: apt-get install libstd-rust-web-dev:amd64)",
 };
 
 /// Windows, x86.
@@ -39,7 +39,8 @@ pub const X86_WINDOWS: Toolchain = Toolchain {
     triple: "x86_64-pc-windows-gnu",
     extension: "dll",
     linker: Some(("x86_64-w64-mingw32-gcc", "gcc-mingw-w64-x86-64")),
-    debian: " (for Rust from the Debian package rustc-web, run: apt-get install rust-web-src, and set RUSTC_BOOTSTRAP=1)",
+    debian: " (if Rust comes from the Debian package rustc-web, run: apt-get install rust-web-src, and set \
+        RUSTC_BOOTSTRAP=1)",
 };
 
 /// Linux, ARM.
@@ -49,8 +50,8 @@ pub const ARM: Toolchain = Toolchain {
     triple: "aarch64-unknown-linux-gnu",
     extension: "so",
     linker: Some(("aarch64-linux-gnu-gcc", "gcc-aarch64-linux-gnu")),
-    debian: " (for Rust from the Debian package rustc-web, run: dpkg --add-architecture arm64; \
-             apt-get install libstd-rust-web-dev:arm64)",
+    debian: " (if Rust comes from the Debian package rustc-web, run: dpkg --add-architecture arm64; apt-get install \
+             libstd-rust-web-dev:arm64)",
 };
 
 /// macOS, x86.

@@ -99,7 +99,9 @@ impl Signals {
         let mut names = names.iter().map(String::as_str);
         match names.next() {
             Some("time") => {}
-            first => bail!("{shown}: the first column is \"{}\", but must be time", first.unwrap_or("").escape_debug()),
+            first => {
+                bail!("{shown}: the first column is \"{}\", but must be `time`", first.unwrap_or("").escape_debug())
+            }
         }
         let mut signals = Self { with_slopes, ..Self::none() };
         let mut kinds = Vec::new();

@@ -44,7 +44,7 @@ fn warnings_name_the_key_the_value_and_the_remedy() {
             json!({ "static_coefficient": 0.2, "kinetic_coefficient": 0.1 }),
             "friction",
             "\"friction\"",
-            vec!["enabled is missing", "\"enabled\": true"],
+            vec!["`enabled` is missing", "\"enabled\": true"],
         ),
         (
             "/forces",

@@ -52,7 +52,7 @@ fn texts_that_are_not_expressions_give_named_errors() {
         (" ", "the text is empty"),
         ("2 x", "an operator is missing before `x`"),
         ("2(3)", "an operator is missing before `(`"),
-        ("f(3)", "`f` is not a function: the functions are sqrt"),
+        ("f(3)", "`f` is not a function: use one of the functions sqrt"),
         ("sin x", "write sin(...)"),
         ("sin", "write sin(...)"),
         ("sin()", "a value is missing before `)`"),

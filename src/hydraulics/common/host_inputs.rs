@@ -61,6 +61,6 @@ pub trait HostInputs: Clone + Debug + Send + Sync {
         record.length("inputs", values.len())?;
         record.all_finite("input", values)?;
         rates.iter_mut().try_for_each(|rates| record.all_finite("derivative of an input", rates))?;
-        record.flag("derivatives of inputs ahead", ahead)
+        record.flag("time derivatives of the inputs in the next step", ahead)
     }
 }

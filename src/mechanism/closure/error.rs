@@ -51,13 +51,13 @@ impl fmt::Display for AssemblyError {
             Self::Open { joint, gap, contradicts: true } => write!(
                 f,
                 "the loops do not close: the two points of {joint} stay {gap:.3e} m apart, because the lengths \
-                    contradict other joints between the same bodies; correct the lengths by this distance and write \
-                    all digits, or remove a redundant joint (the key snap has no effect in this case)"
+                 contradict other joints between the same bodies; correct the lengths by this distance and write all \
+                 digits, or remove a redundant joint (the key `snap` has no effect in this case)"
             ),
             Self::Open { joint, gap, .. } => write!(
                 f,
                 "the loops do not close from the guess: the two points of {joint} stay {gap:.3e} m apart; check the \
-                    lengths, or correct the values in guess"
+                 lengths, or correct the values in `guess`"
             ),
             Self::TooLong { joint, side, is_slide, length, others } => {
                 let told = Decimal::rounded;

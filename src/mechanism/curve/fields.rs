@@ -45,7 +45,7 @@ impl Curve {
         let follows = |pair: &[Panel]| pair[0].start < pair[1].start;
         match curve.range.0 < curve.range.1 && !curve.panels.is_empty() && curve.panels.windows(2).all(follows) {
             true => Ok(curve),
-            false => Err(Damaged("the panels of the curve are not in order".to_owned())),
+            false => Err(Damaged("the saved sections of the motion are not in order".to_owned())),
         }
     }
 

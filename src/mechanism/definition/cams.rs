@@ -88,7 +88,8 @@ pub(super) fn of_segments(segments: &[CamSegment], key: &str, turns: bool) -> Re
         };
         let distance = match (law, segment.rise) {
             (None, Some(_)) => {
-                let message = "a segment with the law dwell has no rise: remove the key rise, or choose another law";
+                let message = "a segment with the law `dwell` has no rise: remove the key `rise`, or choose another \
+                    law";
                 return refused(at("rise"), message);
             }
             (None, None) => 0.0,

@@ -49,11 +49,11 @@ pub(super) fn check_spring(key: &str, spring: &Spring, is_rotary: bool) -> Check
             );
         }
         if spring.points.is_some() {
-            let message = "a spring cannot have both the key points and the key gas: define two springs";
+            let message = "a spring cannot have both the key `points` and the key `gas`: define two springs";
             return refused(format_args!("{key}.gas"), message);
         }
         if spring.free_length.is_none() {
-            return refused(key, "the gas volume refers to the free length of the spring: add the key free_length");
+            return refused(key, "the gas volume refers to the free length of the spring: add the key `free_length`");
         }
     }
     let Some(points) = &spring.points else { return Ok(()) };
@@ -103,8 +103,8 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
         return match drive.command {
             Some(_) => refused(
                 format_args!("{key}.command"),
-                "this key scales the force-speed curve, but the drive has no curve: add points [speed, force], or \
-                 remove command",
+                "this key scales the force-speed curve, but the drive has no curve: add the key `points` with pairs \
+                 [speed, force], or remove `command`",
             ),
             None => Ok(()),
         };
@@ -112,12 +112,12 @@ pub(super) fn check_drive(key: &str, drive: &Actuator) -> Check {
     if drive.hydraulics.is_some() {
         return refused(
             format_args!("{key}.points"),
-            "the hydraulic circuit defines the force of this drive: remove the key points or the key hydraulics",
+            "the hydraulic circuit defines the force of this drive: remove the key `points` or the key `hydraulics`",
         );
     }
     if drive.motion.is_some() {
-        let message = "the key motion prescribes the speed of this drive, so a force-speed curve is not allowed: \
-                       remove the key points or the key motion";
+        let message = "the key `motion` prescribes the speed of this drive, so a force-speed curve is not allowed: \
+                       remove the key `points` or the key `motion`";
         return refused(format_args!("{key}.points"), message);
     }
     function(&format!("{key}.points"), points, "speed").map(drop)
@@ -166,7 +166,7 @@ impl Mechanism {
                 let message = format_args!(
                     "the bumper has a constant force beyond {depth} {unit} of compression, even in an impact"
                 );
-                let remedy = "add a point at the largest compression of an impact, or add the key stiffness";
+                let remedy = "add a point at the largest compression of an impact, or add the key `stiffness`";
                 all.push(Finding::warning(format_args!("stops.{name}.points"), message, remedy));
             }
         }

@@ -94,12 +94,12 @@ pub(super) fn check_control(
         ("motion", motion, "a prescribed motion"),
     ] {
         if is_given {
-            refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove control or {name}"));
+            refuse(key.clone(), format!("a drive with a controller cannot have {what}: remove `control` or `{name}`"));
         }
     }
     let Control { position_gain, speed_gain, integral_gain, command, command_speed, .. } = *control;
     if position_gain.or(speed_gain).is_none() {
-        refuse(key.clone(), "a controller needs a gain: add position_gain or speed_gain".into());
+        refuse(key.clone(), "a controller needs a gain: add `position_gain` or `speed_gain`".into());
     }
     let (no_position, no_speed) = (position_gain.is_none(), speed_gain.is_none());
     let (no_integral, no_delay) = (integral_gain.is_none(), control.force_time_constant.is_none());
@@ -115,7 +115,7 @@ pub(super) fn check_control(
         if value.is_some() && is_alone {
             let what = if name.starts_with("command") { "command" } else { "key" };
             let kind = if needed.ends_with("gain") { "gain" } else { "time constant" };
-            refuse(format!("{key}.{name}"), format!("this {what} needs a {kind}: add {needed}, or remove {name}"));
+            refuse(format!("{key}.{name}"), format!("this {what} needs a {kind}: add `{needed}`, or remove `{name}`"));
         }
     }
 }
@@ -151,24 +151,28 @@ impl Mechanism {
             };
             if index >= MOST_CONTROL_STATES {
                 refuse(format!(
-                    "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys integral_gain \
-                     and force_time_constant: remove {key}"
+                    "the controllers of a mechanism can have at most {MOST_CONTROL_STATES} of the keys \
+                     `integral_gain` and `force_time_constant`: remove `{key}`"
                 ));
             }
             if self.has_hydraulics() {
-                refuse(format!("hydraulics exclude {key}: remove {key} or hydraulics"));
+                refuse(format!(
+                    "a mechanism with the key `hydraulics` cannot have the key `{key}`: remove `{key}` or \
+                     `hydraulics`"
+                ));
             }
             if let Some((_, other, _)) = self.motion_drive() {
                 refuse(format!(
-                    "the drive {other} has a prescribed motion, which excludes {key}: remove {key} or \
+                    "the drive {other} has a prescribed motion, which excludes the key `{key}`: remove `{key}` or \
                      actuators.{other}.motion"
                 ));
             }
             if self.start.equilibrium && state == ControlState::Integral {
                 refuse(format!(
-                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant only \
-                     at the command: give a start position in `start`, and the force that holds the mechanism there in \
-                     start_integral (`cargo fmu check` prints the holding force of {name}), or remove integral_gain"
+                    "`start` cannot be `equilibrium` with an integral part, because the integral part is constant \
+                     only at the command: give a start position in `start`, and the force that holds the mechanism \
+                     there in `start_integral` (`cargo fmu check` prints the holding force of {name}), or remove \
+                     `integral_gain`"
                 ));
             }
         }

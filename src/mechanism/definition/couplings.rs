@@ -68,7 +68,8 @@ keys! {
         /// Cam: lift over one revolution, as a list of segments.
         segments: Option<Vec<CamSegment>>;
         /// Cam: lift over one revolution, as pairs of cam angle and lift [rad, m or rad] in the order of increasing
-        /// angle. Use the key `points` in place of `segments`.
+        /// angle. The lift is in m for a follower that slides, and in rad for a follower that turns. Use the key
+        /// `points` in place of `segments`.
         points: Option<Vec<[f64; 2]>> => curve([Radian; 2], [Metre, Radian], Range::Finite);
         /// Cam: kind of the curve through `points`. `spline`: a smooth curve, which may overshoot the points.
         /// `monotone`: a curve that rises only where the points rise, and falls only where the points fall.
@@ -246,18 +247,18 @@ impl Mechanism {
         let key = |k: &str| format!("couplings.{name}.{k}");
         let refused = |k: &str, message: &str| Err(DefinitionError::key(key(k), message));
         if coupling.kind == CouplingKind::Screw {
-            let message = "the axis of a screw lies in the plane, so the rotation of the screw is not a planar motion: \
-                           use the key screw of an actuator, or write \"type\": \"rack\" for a wheel that turns in the \
-                           plane";
+            let message = "the axis of a screw lies in the plane, so the rotation of the screw is not a planar \
+                           motion: use the key `screw` of an actuator, or write \"type\": \"rack\" for a wheel that \
+                           turns in the plane";
             return refused("type", message);
         }
         if coupling.efficiency.is_some() && matches!(coupling.kind, CouplingKind::EllipticGears | CouplingKind::Cam) {
-            let message = "a coupling with a variable ratio cannot have losses: remove the key efficiency, and use the \
-                           efficiency of a drive or the friction of joints";
+            let message = "a coupling with a variable ratio cannot have losses: remove the key `efficiency`, and use \
+                           the efficiency of a drive or the friction of joints";
             return refused("efficiency", message);
         }
         if coupling.backward_efficiency.is_some() && coupling.efficiency.is_none() {
-            let message = "this key needs the efficiency of the other direction: add the key efficiency";
+            let message = "this key needs the efficiency of the other direction: add the key `efficiency`";
             return refused("backward_efficiency", message);
         }
         let (needed, allowed) = coupling.kind.keys();
@@ -288,7 +289,7 @@ impl Mechanism {
             let what = if coupling.kind == CouplingKind::Cam { "follower" } else { "rack" };
             return refused(
                 "joint",
-                &format!("this joint is not prismatic: give the prismatic joint in which the {what} slides"),
+                &format!("this joint is not prismatic: name the prismatic joint in which the {what} slides"),
             );
         }
         if let Some(contact) = &coupling.contact {
@@ -300,11 +301,15 @@ impl Mechanism {
         ];
         if let Some((k, _)) = coefficients.into_iter().find(|(_, value)| value.is_some()) {
             if self.friction.is_none() {
-                return refused(k, "this key has no effect without friction: add the key friction, or remove this key");
+                return refused(
+                    k,
+                    "this key has no effect without friction: add the key `friction`, or remove this \
+                    key",
+                );
             }
             if coupling.grooved == Some(true) {
-                let message = "the friction of a cam acts on the side of the cam only, but a groove has a second side: \
-                               remove this key, or remove grooved";
+                let message = "the friction of a cam acts on the side of the cam only, but a groove has a second \
+                               side: remove this key, or remove `grooved`";
                 return refused(k, message);
             }
         }
@@ -332,9 +337,13 @@ impl Coupling {
             (None, Some(points)) => of_points(points, self.interpolation.unwrap_or_default(), key),
             (Some(_), Some(_)) => refused(
                 format!("{key}.points"),
-                "the key segments already defines the lift: remove the key points or the key segments",
+                "the key `segments` already defines the lift: remove the key `points` or the key `segments`",
             ),
-            (None, None) => refused(key.to_owned(), "the cam has no lift: add segments, or points [angle, lift]"),
+            (None, None) => refused(
+                key.to_owned(),
+                "the cam has no lift: add the key `segments`, or the key \
+                `points` with pairs [angle, lift]",
+            ),
         }
     }
 
@@ -345,48 +354,49 @@ impl Coupling {
             (Some(_), Some(_)) => {
                 return refused(
                     at("second"),
-                    "the follower already slides in a joint: remove the key second, or remove the key joint for a \
-                     follower that turns",
+                    "the follower already slides in a joint: remove the key `second`, or remove the key `joint` for \
+                     a follower that turns",
                 );
             }
             (None, None) => {
-                let message = "the follower has no motion: add the key joint for a follower that slides, or the key \
-                               second (the centre of rotation) for a follower that turns";
+                let message = "the follower has no motion: add the key `joint` for a follower that slides, or the \
+                               key `second` (the centre of rotation) for a follower that turns";
                 return refused(key.to_owned(), message);
             }
             (Some(_), None) if self.carrier.is_some() => {
                 return refused(
                     at("carrier"),
-                    "the joint of the follower defines the carrier of the cam: remove the key carrier",
+                    "the joint of the follower defines the carrier of the cam: remove the key `carrier`",
                 );
             }
             _ => {}
         }
         if self.interpolation.is_some() && self.points.is_none() {
-            let message = "only a lift that points define has an interpolation, but this cam has no points: remove the \
-                           key interpolation, or give points";
+            let message = "only a lift that points define has an interpolation, but this cam has no points: remove \
+                           the key `interpolation`, or add the key `points`";
             return refused(at("interpolation"), message);
         }
         if self.phase.is_some() {
             return refused(
                 at("phase"),
-                "the radius of the base circle defines the position of the follower at lift 0: remove the key phase",
+                "the radius of the base circle defines the position of the follower at lift 0: remove the key \
+                 `phase`",
             );
         }
         match (self.follower, self.roller_radius, self.face_angle) {
             (Some(Follower::Roller), None, _) => {
-                return refused(at("roller_radius"), "a roller follower needs this key: add the key roller_radius");
+                return refused(at("roller_radius"), "a roller follower needs this key: add the key `roller_radius`");
             }
             (Some(Follower::Roller), _, Some(_)) => {
                 return refused(
                     at("face_angle"),
-                    "a roller follower has no flat face: remove face_angle, or write \"follower\": \"flat\"",
+                    "a roller follower has no flat face: remove `face_angle`, or write \"follower\": \"flat\"",
                 );
             }
             (Some(Follower::Flat), Some(_), _) => {
                 return refused(
                     at("roller_radius"),
-                    "a flat follower has no roller: remove roller_radius, or write \"follower\": \"roller\"",
+                    "a flat follower has no roller: remove `roller_radius`, or write \"follower\": \"roller\"",
                 );
             }
             _ => {}

@@ -201,8 +201,8 @@ impl Mechanism {
             let Ok((_, local)) = self.point(&key, to) else { continue };
             let Some(&(of, own)) = frames.get(carrier) else {
                 let message = format_args!(
-                    "{name} has the key drawn, so the body {carrier}, which carries {name}, needs this key too: add \
-                     bodies.{carrier}.drawn"
+                    "{name} has the key `drawn`, so the body {carrier}, which carries {name}, needs this key too: \
+                     add bodies.{carrier}.drawn"
                 );
                 faults.refuse(key, message);
                 continue;
@@ -356,7 +356,8 @@ impl<'m> Groups<'m> {
 fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64), DefinitionError> {
     let key = |k: &str| format!("bodies.{name}.drawn{k}");
     if name == GROUND {
-        let message = "the frame of the ground is the mechanism frame: give points and length instead of drawn";
+        let message = "the frame of the ground is the mechanism frame: give the keys `points` and `length` instead \
+            of the key `drawn`";
         return Err(DefinitionError::key(key(""), message));
     }
     let finite = |p: &[f64; 2]| p.iter().all(|x| x.abs() <= 1e100);
@@ -367,8 +368,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     let origin = Vec2::from(drawn.origin);
     let angle = match (drawn.end, drawn.angle) {
         (Some(_), Some(_)) => {
-            let message = "the points origin and end already define the angle of the body: remove the key angle or the \
-                           key end";
+            let message = "the points `origin` and `end` already define the angle of the body: remove the key \
+                           `angle` or the key `end`";
             return Err(DefinitionError::key(key(".angle"), message));
         }
         (Some(end), None) => {
@@ -404,8 +405,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
         if body.center.is_some() {
             return Err(DefinitionError::key(
                 key(".center"),
-                "the centre of mass is given twice: here in the drawing, and by the key `center` of the body in the frame \
-                 of the body. Remove one of the two keys",
+                "the centre of mass is given twice: by `drawn.center`, and by `center` of the body. Remove one of \
+                 the two keys",
             ));
         }
         body.center = Some(local(center));
@@ -413,8 +414,8 @@ fn resolve_body(name: &str, body: &mut Body, drawn: Drawn) -> Result<(Vec2, f64)
     let mut points: Vec<(String, [f64; 2])> = body.points.iter().map(|(n, p)| (n.to_owned(), *p)).collect();
     for (point, place) in drawn.points.iter() {
         if body.points.get(point).is_some() {
-            let message = "this point is given twice: here in the drawing, and by the key `points` of the body in the \
-                           frame of the body. Remove one of the two points";
+            let message = "this point is given twice: by `drawn.points`, and by `points` of the body. Remove one of \
+                           the two points";
             return Err(DefinitionError::key(key(&format!(".points.{point}")), message));
         }
         points.push((point.to_owned(), local(*place)));

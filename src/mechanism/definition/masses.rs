@@ -146,13 +146,14 @@ impl Mechanism {
         }
         let bodies = self.bodies_without_mass();
         for key in &self.massless.idle {
-            let remedy = format_args!("remove this key, or add the key mass to one of the bodies {bodies}");
+            let remedy = format_args!("remove this key, or add the key `mass` to one of the bodies {bodies}");
             all.push(Finding::warning(key, "this key has no effect, because no body has a mass", remedy));
         }
         if self.motion_drive().is_none() {
-            let message = "no body has a mass and no drive has the key motion, so nothing moves the mechanism in a run";
+            let message = "no body has a mass and no drive has the key `motion`, so nothing moves the mechanism in a \
+                run";
             let remedy = format_args!(
-                "add the key motion to a drive in actuators, or add the key mass to one of the bodies {bodies}"
+                "add the key `motion` to a drive in `actuators`, or add the key `mass` to one of the bodies {bodies}"
             );
             all.push(Finding::warning("bodies", message, remedy));
         }

@@ -102,7 +102,7 @@ impl PrescribedMotion {
                 _ => false,
             };
             match (is_stated, wanted.contains(name)) {
-                (false, true) => faults.refuse(key, format_args!("{what} needs {name}: add this key")),
+                (false, true) => faults.refuse(key, format_args!("{what} needs the key `{name}`: add this key")),
                 (true, false) if !is_optional => {
                     let message =
                         format_args!("{what} does not use this key: remove the key, or choose another profile");
@@ -127,7 +127,7 @@ impl Mechanism {
             let message = format_args!(
                 "this key has no effect, because actuators.{drive}.motion prescribes the speed from the start"
             );
-            let remedy = "remove start.speed, or write \"enabled\": false for a motion that is switched on later";
+            let remedy = "remove `start.speed`, or write \"enabled\": false for a motion that is switched on later";
             all.push(Finding::warning("start.speed", message, remedy));
         }
     }

@@ -74,7 +74,7 @@ impl Joint {
         let (from, to) = (self.from_angle.unwrap_or(0.0), self.to_angle);
         if let Some(to) = to.filter(|to| *to <= from) {
             let message = format_args!(
-                "the slot ends at {} rad, but starts at {} rad: give a to_angle that is larger than from_angle",
+                "the slot ends at {} rad, but starts at {} rad: give a `to_angle` that is larger than `from_angle`",
                 Decimal::rounded(to),
                 Decimal::rounded(from)
             );

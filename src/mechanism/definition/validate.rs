@@ -64,7 +64,7 @@ impl Mechanism {
         match (method, &fem_step) {
             (Some(_), None) => *fem_step = Some(Solver::FEM_STEP),
             (None, Some(_)) => {
-                return refused("solver.fem_step", "this key needs solver.method: add the key solver.method");
+                return refused("solver.fem_step", "this key needs the key `solver.method`: add this key");
             }
             _ => {}
         }
@@ -108,7 +108,11 @@ impl Mechanism {
         if name == GROUND
             && let Some((key, _)) = given.iter().find(|(_, there)| *there)
         {
-            return refused(key, "the ground does not move and has only the keys length and points: remove this key");
+            return refused(
+                key,
+                "the ground does not move and has only the keys `length` and `points`: remove this \
+                key",
+            );
         }
         if let (Some(_), Some(to)) = (body.axial_stiffness, &body.fixed_to) {
             let other = to.split('.').next().unwrap_or_default();
@@ -120,10 +124,14 @@ impl Mechanism {
             return refused("angle", message);
         }
         if body.shape.is_some() && body.length.is_none() {
-            return refused("shape", "a body with the shape uniform_rod needs a length: add the key length");
+            return refused("shape", "a body with the shape `uniform_rod` needs a length: add the key `length`");
         }
         if body.shape.is_some() && (body.center.is_some() || body.inertia.is_some()) {
-            return refused("shape", "the shape uniform_rod defines center and inertia: remove these two keys");
+            return refused(
+                "shape",
+                "the shape `uniform_rod` defines the keys `center` and `inertia`: remove these \
+                two keys",
+            );
         }
         Ok(())
     }
@@ -163,9 +171,9 @@ impl Mechanism {
             let no_slot = "a slot cannot have this key: remove the key";
             let no_slide = "only a prismatic joint has this key: remove the key";
             let no_pin = "only a revolute joint has this key: remove the key";
-            let no_friction = "this key has no effect without friction: add the key friction, or remove this key";
-            let no_radius = "a revolute joint without pin_radius has no friction, so the speed of its surface has no \
-                             effect: add pin_radius, or remove this key";
+            let no_friction = "this key has no effect without friction: add the key `friction`, or remove this key";
+            let no_radius = "a revolute joint without `pin_radius` has no friction, so the speed of its surface has no \
+                             effect: add the key `pin_radius`, or remove this key";
             let without = self.friction.is_none();
             for (k, value, excluded, message) in [
                 ("axis_angle", joint.axis_angle, !is_prismatic, no_slide),
@@ -197,12 +205,15 @@ impl Mechanism {
                     );
                 }
                 if a.hydraulics.is_some() {
-                    refuse("an actuator cannot have both a screw and a hydraulic circuit: remove screw or hydraulics");
+                    refuse(
+                        "an actuator cannot have both a screw and a hydraulic circuit: remove `screw` or \
+                        `hydraulics`",
+                    );
                 }
             }
             if a.locks_itself() && a.screw.is_none_or(|screw| screw.reflected_mass() == 0.0) {
                 let message = "the efficiency is 0, but only a screw with an inertia can lock itself: add the key \
-                               screw with an inertia, or give an efficiency above 0";
+                               `screw` with an inertia, or give an efficiency above 0";
                 faults.keep::<()>(refused(format_args!("{key}.backward_efficiency"), message));
             }
             for (k, is_given) in [("screw", a.screw.is_some()), ("hydraulics", a.hydraulics.is_some())] {
@@ -226,10 +237,13 @@ impl Mechanism {
                     );
                 }
                 if a.force.is_some() {
-                    refuse("the hydraulic circuit computes the force, which is an output: remove the key force");
+                    refuse("the hydraulic circuit computes the force, which is an output: remove the key `force`");
                 }
                 if a.efficiency.or(a.backward_efficiency).is_some() {
-                    refuse("the losses of a hydraulic drive are the friction of its seals: remove the key efficiency");
+                    refuse(
+                        "the losses of a hydraulic drive are the friction of its seals: remove the key \
+                        `efficiency`",
+                    );
                 }
                 if let Some((_, other, _)) = self.hydraulic_drive().filter(|(_, other, _)| *other != name) {
                     refuse(&format!(
@@ -255,8 +269,8 @@ impl Mechanism {
             let Some(is_rotary) = faults.keep(self.check_between(&key, spring.between())) else { continue };
             let wrong = if is_rotary { spring.free_length } else { spring.free_angle };
             if wrong.is_some() {
-                let message = "a spring in a revolute joint or between two bodies has the key free_angle; all other \
-                               springs have the key free_length";
+                let message = "a spring in a revolute joint or between two bodies has the key `free_angle`; all \
+                               other springs have the key `free_length`";
                 faults.refuse(&key, message);
             }
             faults.keep(check_spring(&key, spring, is_rotary));
@@ -322,7 +336,7 @@ impl Mechanism {
 
     fn check_surfaces(&self, faults: &mut Faults) {
         if let (None, Some(name)) = (&self.air, self.surfaces.names().first()) {
-            let message = "drag needs the density and flow of the air: add the key air to the mechanism file";
+            let message = "drag needs the density and flow of the air: add the key `air` to the mechanism file";
             faults.refuse(format_args!("surfaces.{name}"), message);
         }
         for (name, s) in self.surfaces.iter() {
@@ -342,14 +356,18 @@ impl Mechanism {
                 if s.surface_angle.is_some() {
                     return refused(
                         key("surface_angle"),
-                        "only a surface with the keys at and area has this key: remove the key, because this surface \
-                         lies along the line from `from` to `to`",
+                        "only a surface with the keys `at` and `area` has this key: remove this key, because this \
+                         surface lies along the line from `from` to `to`",
                     );
                 }
                 Ok(())
             }
             (None, None, None, Some(at), Some(_)) => self.point(key("at"), at).map(drop),
-            _ => refused(format_args!("surfaces.{name}"), "give the keys from, to and width, or the keys at and area"),
+            _ => refused(
+                format_args!("surfaces.{name}"),
+                "give the keys `from`, `to` and `width`, or the keys `at` \
+                and `area`",
+            ),
         }
     }
 
@@ -415,14 +433,14 @@ impl Mechanism {
         let s = &self.start;
         if s.equilibrium && self.hydraulics.is_some() {
             let message = "the oil of the hydraulic network holds the mechanism at any position: give a start \
-                           position, or remove hydraulics";
+                           position, or remove `hydraulics`";
             return refused("start.equilibrium", message);
         }
         if let (true, Some((_, drive, _))) = (s.equilibrium, self.hydraulic_drive()) {
             let message = format_args!(
                 "the oil of actuators.{drive} holds the mechanism at any position: give a start position, and \
-                 start_pressure of chamber_a and chamber_b so that the force equals {drive}.holding_force (`cargo \
-                 fmu check` prints both forces), or remove hydraulics"
+                 `start_pressure` of `chamber_a` and `chamber_b` so that the force equals {drive}.holding_force \
+                 (`cargo fmu check` prints both forces), or remove `hydraulics`"
             );
             return refused("start.equilibrium", message);
         }
@@ -432,14 +450,15 @@ impl Mechanism {
             (None, None, Some(joint), Some(_)) => match entry("start.joint", "joints", &self.joints, joint)?.kind {
                 JointKind::Prismatic | JointKind::Slot => Ok(()),
                 JointKind::Revolute => {
-                    let message = "the joint must be prismatic; for a revolute joint give body and angle";
+                    let message = "the joint must be prismatic; for a revolute joint give the keys `body` and \
+                        `angle`";
                     refused("start.joint", message)
                 }
             },
             _ => refused(
                 "start",
-                "give body and angle, or joint and position (speed is optional, default 0), or write \"start\": \
-                 \"equilibrium\"",
+                "give the keys `body` and `angle`, or the keys `joint` and `position` (the key `speed` is optional, \
+                 with the default 0), or write \"start\": \"equilibrium\"",
             ),
         }
     }

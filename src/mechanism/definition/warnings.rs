@@ -86,7 +86,7 @@ impl Mechanism {
         match friction.enabled {
             None => all.push(Finding::warning(
                 "friction",
-                "the key enabled is missing, so the joints have no friction",
+                "the key `enabled` is missing, so the joints have no friction",
                 "add \"enabled\": true; or write \"enabled\": false if a simulation tool enables the friction during \
                  the run",
             )),
@@ -94,9 +94,9 @@ impl Mechanism {
             Some(true) => {
                 let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
                 if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
-                    let remedy = "give pin_radius for the joints with friction";
-                    let message = "friction is enabled, but no joint has friction: no revolute joint has a pin_radius, \
-                                   and there is no prismatic joint";
+                    let remedy = "give the key `pin_radius` for the joints with friction";
+                    let message = "friction is enabled, but no joint has friction: no revolute joint has a \
+                                   `pin_radius`, and there is no prismatic joint";
                     all.push(Finding::warning("friction.enabled", message, remedy));
                 }
             }
@@ -111,7 +111,7 @@ impl Mechanism {
                 Some(false) if !pushes => all.push(Finding::warning(
                     format_args!("stops.{name}"),
                     "this stop is a bumper without stiffness, damping and points, so the stop never pushes",
-                    "add the key stiffness, or write \"rigid\": true",
+                    "add the key `stiffness`, or write \"rigid\": true",
                 )),
                 Some(true) if pushes => all.push(Finding::warning(
                     format_args!(
@@ -139,7 +139,7 @@ impl Mechanism {
                 all.push(Finding::warning(
                     format_args!("springs.{name}"),
                     message,
-                    "add the key stiffness, or remove the spring",
+                    "add the key `stiffness`, or remove the spring",
                 ));
             }
         }
@@ -149,7 +149,7 @@ impl Mechanism {
         for (name, body) in self.bodies.iter() {
             if body.shape.is_some() && body.mass.is_none() {
                 let message = "this key describes the mass distribution, but the body has no mass";
-                let remedy = "add the key mass to the body";
+                let remedy = "add the key `mass` to the body";
                 all.push(Finding::warning(format_args!("bodies.{name}.shape"), message, remedy));
             }
             let Some([x, y]) = body.center else { continue };

@@ -236,11 +236,11 @@ impl InputPolynomial {
 
     fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.all_finite("derivative of an input", &mut self.first)?;
-        record.all_finite("second derivative of an input", &mut self.second)?;
+        record.all_finite("second time derivative of an input", &mut self.second)?;
         if record.reads() {
             self.any = self.first.iter().chain(&self.second).any(|u| *u != 0.0);
         }
-        record.flag("derivatives of inputs ahead", &mut self.ahead)
+        record.flag("time derivatives of the inputs in the next step", &mut self.ahead)
     }
 
     #[inline]

@@ -61,14 +61,14 @@ pub(super) fn add_springs(b: &mut Builder) {
         b.output(n, what, &text, unit, Output::Displacement { load, order: 0 }, position);
         let text = match defined.between() {
             Some(Between::Bodies([first, second])) => &[
-                "Total torque of the spring ",
+                "Total torque of the spring `",
                 n,
-                ". A positive torque turns the body ",
+                "` (elastic torque, damping and preload). A positive torque turns the body ",
                 second,
                 " clockwise, relative to the body ",
                 first,
             ][..],
-            _ => &["Total ", force, " of the spring ", n, sense],
+            _ => &["Total ", force, " of the spring `", n, "` (elastic ", force, ", damping and preload)", sense],
         };
         b.output(n, force, text, force_unit, Output::SpringForce { spring: i }, needs);
     }

@@ -101,7 +101,7 @@ impl Linkage {
         linkage.add_joints(mechanism)?;
         let reached = linkage.grow_tree();
         if let Some(loose) = reached.iter().position(|r| !r) {
-            let message = "this body is not connected to the ground by joints: add a joint, or the key fixed_to";
+            let message = "this body is not connected to the ground by joints: add a joint, or the key `fixed_to`";
             return Err(DefinitionError::key(format_args!("bodies.{}", linkage.bodies[loose].name), message));
         }
         linkage.number_coordinates();

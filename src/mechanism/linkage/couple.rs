@@ -136,7 +136,7 @@ impl Linkage {
     fn not_hinged<T>(&self, named: &Named, key: &str, center: &str, carrier: usize) -> Result<T, DefinitionError> {
         let message = format!(
             "{center} has no revolute joint on {}, the carrier of this coupling: add a revolute joint at this point, \
-                or set carrier to the body that has the joint",
+             or name the body that has the joint in the key `carrier`",
             self.bodies[carrier].name
         );
         named.refused(key, message)
@@ -163,8 +163,8 @@ impl Linkage {
             return named.refused(
                 "second",
                 format_args!(
-                    "this point and the point in the key first are on the same body {}, so nothing is coupled: give a \
-                        point of another body",
+                    "this point and the point in the key `first` are on the same body {}, so nothing is coupled: \
+                     give a point of another body",
                     self.bodies[first.body].name
                 ),
             );
@@ -226,7 +226,7 @@ impl Linkage {
                 let ratio = sign * teeth[0] / teeth[1];
                 if !RATIOS.contains(&ratio.abs()) {
                     let message = format!(
-                        "with first_teeth = {} the ratio would be {}, but must be from {} to {}: change one of the \
+                        "with `first_teeth` = {} the ratio would be {}, but must be from {} to {}: change one of the \
                          numbers of teeth",
                         Decimal(teeth[0]),
                         Decimal::rounded(ratio.abs()),

@@ -90,10 +90,10 @@ impl Model {
     pub fn output_derivative(&mut self, reference: Reference, order: i32) -> Result<f64, ModelError> {
         self.continuous(reference, Causality::Output, "derivatives are available for continuous outputs only")?;
         if order != OUTPUT_ORDER {
-            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
+            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
             return Err(ModelError::Derivative {
                 what,
-                reason: "maxOutputDerivativeOrder is 1: request order 1".into(),
+                reason: "only order 1 is available (maxOutputDerivativeOrder is 1)".into(),
             });
         }
         self.reducible("maxOutputDerivativeOrder")?;
@@ -112,11 +112,11 @@ impl Model {
     pub fn check_input_derivative(&self, reference: Reference, order: i32, value: f64) -> Result<(), ModelError> {
         self.continuous(reference, Causality::Input, "derivatives can be set for continuous inputs only")?;
         if !(1..=INPUT_ORDER).contains(&order) {
-            let what = format!("order {order} of the derivative of {}", self.name_of(reference));
+            let what = format!("time derivative of order {order} of {}", self.name_of(reference));
             return Err(ModelError::Derivative { what, reason: "only the orders 1 and 2 can be set".into() });
         }
         if !value.is_finite() {
-            let name = format!("derivative {order} of {}", self.name_of(reference));
+            let name = format!("time derivative of order {order} of {}", self.name_of(reference));
             return Err(ModelError::Value { name, value, allowed: "finite".into() });
         }
         let first = self.original.reduced.loading().motion.as_ref().and_then(|drive| drive.first_input);
@@ -125,7 +125,13 @@ impl Model {
         {
             let what = format!("the derivative of {}", self.name_of(reference));
             let next = self.name_of(reference + 1);
-            return Err(ModelError::Derivative { what, reason: format!("use the input {next} instead") });
+            return Err(ModelError::Derivative {
+                what,
+                reason: format!(
+                    "this derivative is an input, so it cannot be \
+                set as a derivative; set the input {next}"
+                ),
+            });
         }
         self.not_rigid_fem("canInterpolateInputs")
     }

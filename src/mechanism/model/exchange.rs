@@ -51,10 +51,15 @@ impl Exchange {
             record.all_finite("state", states)
         })?;
         for instant in [&mut self.event, &mut self.next] {
-            record.option("event of the prescribed motion", instant, Instant::default, |record, instant| {
-                record.finite("time of an event", &mut instant.time)?;
-                record.finite("time since the motion is prescribed", &mut instant.since)
-            })?;
+            record.option(
+                "event at which the prescribed motion changes",
+                instant,
+                Instant::default,
+                |record, instant| {
+                    record.finite("time of an event", &mut instant.time)?;
+                    record.finite("time since the motion is prescribed", &mut instant.since)
+                },
+            )?;
         }
         Ok(())
     }

@@ -186,11 +186,14 @@ impl Model {
         }
         if self.original.reduced.loading().motion.is_some() && self.inputs.prescribes() {
             return refused(
-                "a drive has a prescribed motion, so the mechanism has no states; set motion.enabled to false",
+                "a drive has a prescribed motion, so the mechanism has no states; set `motion.enabled` to false",
             );
         }
         match self.original.parameter_values.mechanism().has_hydraulics() {
-            true => refused("a hydraulic circuit has more states; remove hydraulics to linearise the mechanism alone"),
+            true => refused(
+                "a hydraulic circuit has more states than position and speed; remove `hydraulics` to linearise the \
+                 mechanism alone",
+            ),
             false => Ok(()),
         }
     }

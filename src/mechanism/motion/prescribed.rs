@@ -41,7 +41,7 @@ impl PrescribedState {
     /// All fields, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.flag("motion prescribed", &mut self.is_active)?;
-        record.flag("time of the host", &mut self.has_host_time)?;
+        record.flag("time in the simulation tool", &mut self.has_host_time)?;
         self.time.record(record)?;
         record.finite("start of the prescribed motion", &mut self.origin)?;
         record.all_finite("prescribed motion", &mut self.given)?;

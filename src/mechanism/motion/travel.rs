@@ -106,7 +106,7 @@ fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], ModelEr
             |message: &str| Err(DefinitionError::key(format_args!("locks.{}.release_force", lock.name), message));
         let stop = &loading.stops[lock.stop];
         if stop.enabled && !stop.rigid {
-            refused("the stop of this lock is a bumper: set rigid of the stop to true, or remove this key")?;
+            refused("the stop of this lock is a bumper: set `rigid` of the stop to true, or remove this key")?;
         }
         for (side, grip) in grips.iter_mut().enumerate() {
             let place = Place::rigid(side);

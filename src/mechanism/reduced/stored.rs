@@ -88,7 +88,12 @@ fn table(record: &mut Record, components: usize) -> Result<Tabulated, Damaged> {
     gaps.resize(count, 0);
     gaps.iter_mut().try_for_each(|gap| record.place("gap", gap, borders.len()))?;
     let table = Table::of_parts(borders.into_flattened(), components, coefficients, gaps);
-    table.map(Ok).ok_or_else(|| Damaged(format!("no table of {components} components")))
+    table.map(Ok).ok_or_else(|| {
+        Damaged(format!(
+            "a saved table does not have {components} components, as this \
+        mechanism needs"
+        ))
+    })
 }
 
 fn unresolved(record: &mut Record, at: &mut Unresolved, components: usize) -> Result<(), Damaged> {

@@ -59,7 +59,7 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
             "the cam is undercut at the cam angle {} rad: {what}, so no cam disc has this profile",
             told(sharpest.u1)
         );
-        let remedy = "use a larger base_radius, a smaller or slower rise, or a smaller roller";
+        let remedy = "use a larger `base_radius`, a smaller or slower rise, or a smaller roller";
         all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
     }
     let limit = STEEPEST[usize::from(matches!(cam.guide, Guide::Pivot { .. }))];
@@ -72,7 +72,7 @@ fn warn_of_cam(name: &str, coupling: &Coupling, cam: &Cam, all: &mut Vec<Finding
             told(steepest.u1),
             told(limit * 180.0 / PI)
         );
-        let remedy = "use a larger base_radius, or a smaller or slower rise";
+        let remedy = "use a larger `base_radius`, or a smaller or slower rise";
         all.push(Finding::warning(format_args!("couplings.{name}"), message, remedy));
     }
 }

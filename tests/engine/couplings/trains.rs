@@ -184,7 +184,7 @@ fn an_open_train_ends_where_angles_have_too_few_digits() {
     let revolutions = 1e6 * run.time() / TAU;
     assert!((1e7..1e9).contains(&revolutions), "{revolutions}");
     let pieces =
-        ["one = ", "revolutions", "rounding of the angle", "in mesh", "numbers of teeth", "limit the loads", "stop"];
+        ["one = ", "revolutions", "rounding of the angle", "in mesh", "numbers of teeth", "reduce the loads", "stop"];
     assert_says(error, &pieces);
 }
 

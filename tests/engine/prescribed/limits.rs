@@ -24,7 +24,7 @@ fn a_prescribed_motion_ends_at_a_stop_and_is_rejected_beyond_it() {
             break;
         }
     }
-    let words = ["actuator.length = 0.7", "upstop ends the travel at 0.736", "set enabled of the stop to false"];
+    let words = ["actuator.length = 0.7", "upstop ends the travel at 0.736", "set `enabled` of the stop to false"];
     assert_says(refused.unwrap(), &words);
     let time = beyond.0.time();
     assert!(beyond.get("actuator.acting_force").is_finite() && time < 0.5);
@@ -117,7 +117,7 @@ fn prescribed_motions_without_a_motion_are_rejected_with_their_name() {
     assert_says(refusal(two), &["motor already has a prescribed motion"]);
     let mut lift = opened(&lift(&json!({ "position": 0.5 }))).started();
     let error = lift.0.set_derivative("winch.motion.position", 1, 1.0).unwrap_err();
-    assert_says(error, &["winch.motion.position", "use the input winch.motion.speed"]);
+    assert_says(error, &["winch.motion.position", "set the input winch.motion.speed"]);
 }
 
 #[test]

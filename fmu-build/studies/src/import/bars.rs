@@ -103,10 +103,14 @@ impl<'a> Builder<'a> {
             if pin.slides { self.slide(pin) } else { self.revolute(pin) }.with_context(named)?;
         }
         if self.own.joints.iter().all(|joint| joint.first != 0 && joint.second != 0) {
-            bail!("no joint is on the ground: ground at least one joint in PMKS+");
+            bail!("no joint is on the ground, so the mechanism has no fixed link: ground at least one joint in PMKS+");
         }
         match self.own.drives.first().map(|(_, joint)| &self.own.joints[*joint]) {
-            None => self.own.notes.push("no joint is an input, so the mechanism has no drive".to_owned()),
+            None => self.own.notes.push(
+                "no joint is an input, so the mechanism has no drive; add a drive to the \
+                definition if the mechanism needs one"
+                    .to_owned(),
+            ),
             Some(joint) if joint.axis.is_some() || joint.first != 0 => self.own.start_speed = None,
             Some(_) if self.own.start_speed.is_some() && self.own.is_massless() => self.own.notes.push(
                 "no link has a mass: the imported mechanism has positions, speeds and accelerations only, and the \

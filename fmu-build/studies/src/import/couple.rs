@@ -45,7 +45,11 @@ pub fn add(own: &mut Linkage, ratios: &[Ratio], joints: &[Option<Coordinate>]) -
             left.iter().position(|ratio| group.iter().any(|one| one.hinge == ratio.second || one.hinge == ratio.first))
         {
             let ratio = left.remove(at);
-            ensure!(ratio.ratio != 0.0, "the ratio of a coupling is 0: fix the joint instead");
+            ensure!(
+                ratio.ratio != 0.0,
+                "the ratio of a coupling is 0, so the coupled joint does not move: fix this \
+                joint instead"
+            );
             let of = |hinge: usize| group.iter().find(|one| one.hinge == hinge).copied();
             match (of(ratio.first), of(ratio.second)) {
                 (None, Some(Follower { ratio: r, offset, .. })) => group.push(Follower {

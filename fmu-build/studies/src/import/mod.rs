@@ -119,7 +119,12 @@ fn bare(text: &str) -> &str {
 /// # Errors
 /// The text has another format, or contains parts that no planar mechanism has. The message states the place.
 pub fn import(form: Form, name: &str, text: &str) -> Result<Imported> {
-    import_with(form, name, text, &|file| bail!("{file}: included files are read where the import has a path"))
+    import_with(form, name, text, &|file| {
+        bail!(
+            "{file}: the import of a text cannot read included files: import the \
+        file by its path"
+        )
+    })
 }
 
 /// As [`import`], with the texts of included files by their paths in the file.

@@ -72,7 +72,14 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
         check.escape_debug()
     );
     let mut sections = body.split('.');
-    let mut next = |what: &str| sections.next().with_context(|| format!("the section of the {what} is missing"));
+    let mut next = |what: &str| {
+        sections.next().with_context(|| {
+            format!(
+                "the section of the {what} is missing: open \
+        the file in PMKS+ and save it again"
+            )
+        })
+    };
     let flags = number(next("switches")?, "switches")?;
     next("scale")?;
     let speed = number(next("speed")?.split(',').next().unwrap_or_default(), "the speed of the input")?;
@@ -93,7 +100,7 @@ pub fn of_plus(name: &str, text: &str) -> Result<Linkage> {
     own.notes.push(units.names.to_owned());
     own.notes.push(
         "the gravity setting is not read, because versions of PMKS+ store this setting differently: add the key \
-         gravity to the definition if gravity acts"
+         `gravity` to the definition if gravity acts"
             .into(),
     );
     Ok(own)
@@ -206,7 +213,7 @@ fn bar(record: &str, units: &Units) -> Result<Bar> {
     let end = rest.iter().position(|word| word.is_empty()).unwrap_or(rest.len());
     let owned = |words: &[&str]| words.iter().filter(|word| !word.is_empty()).map(|word| (*word).to_owned()).collect();
     let (mass, inertia) = (units.mass.of(number(mass, "mass")?), units.inertia.of(number(inertia, "inertia")?));
-    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia must be at least 0");
+    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia must be at least 0: correct the values");
     Ok(Bar {
         id: (*id).to_owned(),
         name: (*name).to_owned(),

@@ -48,13 +48,13 @@ pub fn of_old_plus(name: &str, link: &str) -> Result<Linkage> {
     own.notes.push(format!("lengths are read in {unit}, masses in kg, moments of inertia in kg m2, the speed in rpm"));
     if let Some(force) = lines(&section("f")).first() {
         own.notes.push(format!(
-            "the forces are left out, such as {}, because their direction differs between versions of PMKS+: add them \
-             under the key forces",
+            "the forces are left out, such as {}, because their direction differs between versions of PMKS+: add \
+             them under the key `forces`",
             force.escape_debug()
         ));
     }
     if settings.get(2) == Some(&"true") {
-        own.notes.push("gravity acts in PMKS+: add the key gravity to the definition".to_owned());
+        own.notes.push("gravity acts in PMKS+: add the key `gravity` to the definition".to_owned());
     }
     Ok(own)
 }
@@ -97,7 +97,7 @@ fn bar(record: &str, scale: f64) -> Result<Bar> {
         bail!("a link needs a name, a mass, a moment of inertia, a centre and joints: copy the link again");
     };
     let (mass, inertia) = (number(Some(mass), "mass")?, number(Some(inertia), "moment of inertia")?);
-    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia must be at least 0");
+    ensure!(mass >= 0.0 && inertia >= 0.0, "mass and moment of inertia must be at least 0: correct the values");
     Ok(Bar {
         id: (*id).to_owned(),
         name: (*id).to_owned(),

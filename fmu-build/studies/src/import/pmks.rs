@@ -110,7 +110,10 @@ fn link_named(name: &str) -> String {
 
 /// The JSON of PMKS. Its slides have an angle [rad] relative to their first link.
 fn of_json(text: &str) -> Result<Table> {
-    let file: Value = serde_json::from_str(text).context("the file starts like JSON, but is not valid JSON")?;
+    let file: Value = serde_json::from_str(text).context(
+        "the file starts like JSON, but is not valid JSON: save the \
+        mechanism in PMKS again",
+    )?;
     let joints =
         file["Joints"].as_array().context("the key \"Joints\" is missing: save the mechanism in PMKS again")?;
     let mut table = Table { name: file["Name"].as_str().map(str::to_owned), ..Table::default() };

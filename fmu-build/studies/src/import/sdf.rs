@@ -20,31 +20,35 @@ const DEEPEST: usize = 100;
 /// Treatment of each element and attribute.
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
-    ("sdf/world", "", Read, "the world around the model"),
-    ("world/gravity", "", Read, "gravity of the model, in the plane of motion"),
-    ("sdf/model world/model", "", Read, "the mechanism: one model that is not static"),
-    ("sdf/model world/model", "name", Read, "name of the mechanism"),
-    ("sdf/model world/model", "canonical_link", Read, "name of the ground link, if no joint connects a link with the \
-        world"),
-    ("sdf/model world/model", "placement_frame", Rejected(""), "a placement frame is not supported: write the pose of \
-        the model frame instead"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "position and orientation"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "unit and format of \
-        the rotation in the pose"),
-    ("link/pose joint/pose frame/pose", "relative_to", Read, "name of the frame to which the pose refers"),
-    ("model/pose inertial/pose", "relative_to", Rejected(""), "the pose must refer to the world or to the link: \
-        remove relative_to"),
+    ("sdf/world", "", Read, "the element contains the model and its gravity"),
+    ("world/gravity", "", Read, "`import` reads the gravity of the model, and uses its part in the plane of motion"),
+    ("sdf/model world/model", "", Read, "the one model that is not static becomes the mechanism"),
+    ("sdf/model world/model", "name", Read, "the attribute becomes the name of the mechanism"),
+    ("sdf/model world/model", "canonical_link", Read, "the attribute names the ground link, if no joint connects a \
+        link with the world"),
+    ("sdf/model world/model", "placement_frame", Rejected(""), "`import` does not support a placement frame: write \
+        the pose of the model frame instead"),
+    ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "`import` reads the position and \
+        orientation"),
+    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "`import` reads \
+        the unit and format of the rotation in the pose"),
+    ("link/pose joint/pose frame/pose", "relative_to", Read, "`import` reads the name of the frame to which the pose \
+        refers"),
+    ("model/pose inertial/pose", "relative_to", Rejected(""), "this pose must refer to the world or to the link: \
+        remove `relative_to`"),
     ("model/static", "", Read, "if true, all links of the model are part of the ground"),
-    ("model/frame", "", Read, "a frame for poses"),
-    ("model/frame", "name attached_to", Read, "name of the frame, and the element to which the frame is fixed"),
-    ("model/link", "", Read, "a body"),
-    ("model/link", "name", Read, "name of the link"),
+    ("model/frame", "", Read, "`import` reads the frame, to which poses can refer"),
+    ("model/frame", "name attached_to", Read, "`import` reads the name of the frame, and the element to which the \
+        frame is fixed"),
+    ("model/link", "", Read, "the link becomes a body"),
+    ("model/link", "name", Read, "`import` reads the name of the link"),
     ("link/gravity", "", Read, "with the value `false`, a constant force carries the weight of the link"),
-    ("link/inertial", "", Read, "mass, centre and moment of inertia of the body"),
-    ("link/inertial", "auto", Rejected("false"), "`import` does not compute masses from shapes: write mass and \
-        inertia"),
-    ("inertial/mass inertial/inertia", "", Read, "mass, moments of inertia"),
-    ("inertia/ixx inertia/iyy inertia/izz inertia/ixy inertia/ixz inertia/iyz", "", Read, "moments of inertia"),
+    ("link/inertial", "", Read, "`import` reads the mass, centre and moment of inertia of the body"),
+    ("link/inertial", "auto", Rejected("false"), "`import` does not compute masses from shapes: write the elements \
+        `mass` and `inertia`"),
+    ("inertial/mass inertial/inertia", "", Read, "`import` reads the mass and the moments of inertia"),
+    ("inertia/ixx inertia/iyy inertia/izz inertia/ixy inertia/ixz inertia/iyz", "", Read, "`import` reads the \
+        moments of inertia"),
     ("inertial/fluid_added_mass", "", Rejected(""), "`import` cannot convert a surrounding medium: remove this \
         element"),
     ("link/collision", "", LeftOut, "bodies can pass through each other"),
@@ -52,32 +56,36 @@ pub const TABLE: &[Row] = &[
     ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink \
         link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "the entry is used only \
         for drawing, sensors, contacts or numerical damping"),
-    ("model/joint", "", Read, "a revolute or prismatic joint, also in a closed loop of links; other types are \
-        rejected"),
-    ("model/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
-    ("joint/parent joint/child", "", Read, "bodies of the joint; `world` is the ground"),
-    ("joint/axis", "", Read, "axis, limits, spring and damper"),
+    ("model/joint", "", Read, "the element becomes a revolute or prismatic joint, also in a closed loop of links; \
+        `import` rejects other types"),
+    ("model/joint", "name type", Read, "`import` reads the name and type of the joint (`revolute`, `continuous`, \
+        `prismatic` or `fixed`)"),
+    ("joint/parent joint/child", "", Read, "`import` reads the bodies of the joint; `world` is the ground"),
+    ("joint/axis", "", Read, "`import` reads the axis, limits, spring and damper"),
     ("joint/axis2 joint/gearbox_ratio joint/gearbox_reference_body joint/thread_pitch \
         joint/screw_thread_pitch", "", Rejected(""),
-        "joints with two axes, gearboxes and screws are not supported: write joints with one axis and mimic"),
-    ("axis/xyz", "", Read, "direction of the axis"),
-    ("axis/xyz", "expressed_in", Read, "frame to which the direction of the axis refers"),
+        "`import` does not support joints with two axes, gearboxes and screws: write joints with one `axis`, and \
+         couple them with `mimic`"),
+    ("axis/xyz", "", Read, "`import` reads the direction of the axis"),
+    ("axis/xyz", "expressed_in", Read, "`import` reads the frame to which the direction of the axis refers"),
     ("axis/use_parent_model_frame", "", Read, "the direction of the axis refers to the model frame"),
-    ("axis/limit", "", Read, "two rigid stops, except for `continuous`"),
-    ("limit/lower limit/upper", "", Read, "limits of the joint"),
+    ("axis/limit", "", Read, "the limits become two rigid stops, except for `continuous`"),
+    ("limit/lower limit/upper", "", Read, "`import` reads the limits of the joint"),
     ("limit/effort limit/velocity", "", LeftOut, "the force, torque and speed of a drive have no limits in the \
         definition"),
     ("limit/stiffness limit/dissipation", "", NoEffect, SOFT),
-    ("axis/dynamics", "", Read, "a spring with a damper"),
-    ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "damping, stiffness, and angle \
-        or position at which the spring has no force"),
-    ("dynamics/friction", "", Read, "constant friction of the joint"),
-    ("axis/mimic", "", Read, "a coupling by gears or a rack, with the ratio `multiplier`, the `reference` and the \
-        `offset`"),
-    ("axis/mimic", "joint axis", Read, "name of the joint that drives the present joint"),
-    ("mimic/multiplier mimic/offset mimic/reference", "", Read, "ratio, offset and reference value of the coupling"),
+    ("axis/dynamics", "", Read, "the element becomes a spring with a damper"),
+    ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "`import` reads the damping, \
+        the stiffness, and the angle or position at which the spring has no force"),
+    ("dynamics/friction", "", Read, "`import` reads the constant friction of the joint"),
+    ("axis/mimic", "", Read, "the element becomes a coupling by gears or a rack, with the ratio `multiplier`, the \
+        `reference` and the `offset`"),
+    ("axis/mimic", "joint axis", Read, "`import` reads the name of the joint that drives this joint"),
+    ("mimic/multiplier mimic/offset mimic/reference", "", Read, "`import` reads the ratio, the offset and the \
+        reference value of the coupling"),
     ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
-    ("joint/physics joint/sensor", "", NoEffect, "a setting of a solver or sensor that `import` does not need"),
+    ("joint/physics joint/sensor", "", NoEffect, "the entry is a setting of a solver or sensor, which `import` does \
+        not need"),
     ("model/model model/include world/include", "", Rejected(""), "`import` does not read nested and included models: \
         write the links and joints into one model (`gz sdf -p FILE` prints included models)"),
     ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
@@ -113,7 +121,10 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let is_static =
         |model: &&&Element| model.child("static").is_some_and(|own| matches!(own.text.as_str(), "true" | "1"));
     let mut moving = models.iter().filter(|model| !is_static(model));
-    let model = moving.next().context("there is no <model> that moves, so there is no mechanism")?;
+    let model = moving.next().context(
+        "there is no <model> that moves, so there is no mechanism: add a model that is \
+        not static",
+    )?;
     if let Some(other) = moving.next() {
         bail!("{}: this is a second model that moves: keep one model in the file", other.at());
     }
@@ -137,7 +148,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let canonical = model.get("canonical_link");
     if !named.iter().flatten().any(|name| name == "world") {
         let at = links.iter().position(|link| canonical.is_none() || link.get("name") == canonical);
-        let ground = links.remove(at.context("the model has no link")?);
+        let ground = links.remove(at.context("the model has no link: add the links of the mechanism")?);
         names = vec![ground.get("name").unwrap_or_default().to_owned()];
         space.notes.push(format!("no joint is on the world: the link {} becomes the body ground", names[0]));
         mass(ground, own.pose_of(&names[0], 0)?)?;
@@ -214,7 +225,11 @@ fn placed(outer: Frame, inner: Frame) -> Frame {
 impl Model<'_> {
     /// Frame in space of a link, joint or frame of the model by its name.
     fn pose_of(&self, name: &str, depth: usize) -> Result<Frame> {
-        ensure!(depth < DEEPEST, "the poses of the frame {name} refer to each other in a circle: correct relative_to");
+        ensure!(
+            depth < DEEPEST,
+            "the poses of the frame {name} refer to each other in a circle: correct \
+            `relative_to`"
+        );
         match name {
             "world" => return Ok(([0.0; 3], SAME)),
             "" | "__model__" => return Ok(self.frame),
@@ -236,7 +251,7 @@ impl Model<'_> {
 
     /// The link to which a link, frame or model frame is fixed, or the world.
     fn link_of(&self, name: &str, depth: usize) -> Result<String> {
-        ensure!(depth < DEEPEST, "the frame {name} is attached to itself: correct attached_to");
+        ensure!(depth < DEEPEST, "the frame {name} is attached to itself: correct `attached_to`");
         let canonical = || {
             let first = self.root.child("link").and_then(|link| link.get("name"));
             self.root.get("canonical_link").filter(|name| !name.is_empty()).or(first).unwrap_or_default()
@@ -262,7 +277,7 @@ impl Model<'_> {
             .with_context(|| format!("{}: the element <axis> is missing: add this element", node.at()))?;
         let direction = axis.inner("xyz")?.unwrap_or([0.0, 0.0, 1.0]);
         let direction = unit(direction).with_context(|| {
-            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
+            format!("{}: the vector of the axis is zero: write the direction of the axis", node.at())
         })?;
         let in_model =
             axis.child("use_parent_model_frame").is_some_and(|own| matches!(own.text.as_str(), "true" | "1"));

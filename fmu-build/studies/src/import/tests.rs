@@ -124,12 +124,17 @@ fn written(table: &[Row]) -> String {
     let mut text = "| element | attributes | treatment by `import` |\n|---|---|---|\n".to_owned();
     for (elements, names, fate, why) in table {
         let code = |all: &str| all.split_whitespace().map(|one| format!("`{one}`")).collect::<Vec<_>>().join(", ");
+        let (list, kind) = if names.is_empty() { (elements, "element") } else { (names, "attribute") };
+        let all = match list.split_whitespace().count() {
+            1 => format!("this {kind}"),
+            _ => format!("these {kind}s"),
+        };
         let fate = match fate {
-            Fate::Read => format!("read: {why}"),
-            Fate::NoEffect => format!("no effect on the motion: {why}"),
-            Fate::LeftOut => format!("left out, with a note: {why}"),
-            Fate::Rejected("") => format!("rejected: {why}"),
-            Fate::Rejected(unless) => format!("rejected, except for the value `{unless}`: {why}"),
+            Fate::Read => (*why).to_owned(),
+            Fate::NoEffect => format!("`import` ignores {all}: {why}"),
+            Fate::LeftOut => format!("`import` leaves {all} out, with a note: {why}"),
+            Fate::Rejected("") => format!("`import` rejects {all}: {why}"),
+            Fate::Rejected(unless) => format!("`import` rejects {all}, except for the value `{unless}`: {why}"),
         };
         writeln!(text, "| {} | {} | {fate} |", code(elements), code(names)).unwrap();
     }

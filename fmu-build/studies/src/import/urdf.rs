@@ -18,32 +18,33 @@ const CONTROL: &str = "controllers and motor limits are not parts of the mechani
 /// Treatment of each element and attribute.
 #[rustfmt::skip]
 pub const TABLE: &[Row] = &[
-    ("robot/link", "", Read, "a body; the link that no joint moves is the ground"),
-    ("robot/link", "name", Read, "name of the link"),
-    ("link/inertial", "", Read, "mass, centre and moment of inertia of the body"),
-    ("inertial/origin", "", Read, "centre of mass, and directions of the moments of inertia"),
-    ("inertial/origin joint/origin", "xyz rpy", Read, "position and orientation"),
-    ("inertial/mass", "", Read, "mass of the body"),
-    ("inertial/mass", "value", Read, "mass of the body"),
-    ("inertial/inertia", "", Read, "moments of inertia"),
-    ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "moments of inertia"),
+    ("robot/link", "", Read, "the link becomes a body; the link that no joint moves is the ground"),
+    ("robot/link", "name", Read, "`import` reads the name of the link"),
+    ("link/inertial", "", Read, "`import` reads the mass, centre and moment of inertia of the body"),
+    ("inertial/origin", "", Read, "`import` reads the centre of mass, and the directions of the moments of inertia"),
+    ("inertial/origin joint/origin", "xyz rpy", Read, "`import` reads the position and orientation"),
+    ("inertial/mass", "", Read, "`import` reads the mass of the body"),
+    ("inertial/mass", "value", Read, "`import` reads the mass of the body"),
+    ("inertial/inertia", "", Read, "`import` reads the moments of inertia"),
+    ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "`import` reads the moments of inertia"),
     ("link/visual robot/material", "", NoEffect, "the entry is used only for drawing"),
     ("link/collision", "", LeftOut, "links of the definition can pass through each other"),
-    ("robot/joint", "", Read, "a revolute or prismatic joint; other types are rejected"),
-    ("robot/joint", "name type", Read, "name and type of the joint (`revolute`, `continuous`, `prismatic` or `fixed`)"),
-    ("joint/origin", "", Read, "position and orientation of the child link"),
-    ("joint/parent joint/child", "", Read, "the two bodies that the joint connects"),
-    ("joint/parent joint/child", "link", Read, "the two bodies that the joint connects"),
-    ("joint/axis", "", Read, "axis of the joint"),
-    ("joint/axis", "xyz", Read, "axis of the joint"),
-    ("joint/mimic", "", Read, "a coupling by gears or a rack"),
-    ("joint/mimic", "joint multiplier offset", Read, "name of the joint that drives the present joint, ratio and \
-        offset"),
-    ("joint/dynamics", "", Read, "a damper"),
-    ("joint/dynamics", "damping", Read, "damping of the joint"),
-    ("joint/dynamics", "friction", Read, "constant friction of the joint"),
-    ("joint/limit", "", Read, "two rigid stops, except for `continuous`"),
-    ("joint/limit", "lower upper", Read, "limits of the joint"),
+    ("robot/joint", "", Read, "the element becomes a revolute or prismatic joint; `import` rejects other types"),
+    ("robot/joint", "name type", Read, "`import` reads the name and type of the joint (`revolute`, `continuous`, \
+        `prismatic` or `fixed`)"),
+    ("joint/origin", "", Read, "`import` reads the position and orientation of the child link"),
+    ("joint/parent joint/child", "", Read, "`import` reads the two bodies that the joint connects"),
+    ("joint/parent joint/child", "link", Read, "`import` reads the two bodies that the joint connects"),
+    ("joint/axis", "", Read, "`import` reads the axis of the joint"),
+    ("joint/axis", "xyz", Read, "`import` reads the axis of the joint"),
+    ("joint/mimic", "", Read, "the element becomes a coupling by gears or a rack"),
+    ("joint/mimic", "joint multiplier offset", Read, "`import` reads the name of the joint that drives this joint, \
+        the ratio and the offset"),
+    ("joint/dynamics", "", Read, "the element becomes a damper"),
+    ("joint/dynamics", "damping", Read, "`import` reads the damping of the joint"),
+    ("joint/dynamics", "friction", Read, "`import` reads the constant friction of the joint"),
+    ("joint/limit", "", Read, "the limits become two rigid stops, except for `continuous`"),
+    ("joint/limit", "lower upper", Read, "`import` reads the limits of the joint"),
     ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the \
         definition"),
     ("joint/safety_controller joint/calibration", "", LeftOut, CONTROL),
@@ -83,7 +84,10 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         joints.iter().map(|joint| Ok((of(joint, "parent")?, of(joint, "child")?))).collect::<Result<_>>()?;
     let links: Vec<&Element> = root.all("link").collect();
     let is_base = |link: &&&Element| ends.iter().all(|(_, child)| link.get("name") != Some(child));
-    let base = links.iter().find(is_base).context("every link is moved by a joint, so there is no ground link")?;
+    let base = links.iter().find(is_base).context(
+        "every link is moved by a joint, so there is no ground link: add a \
+        link that no joint moves",
+    )?;
     space.notes.push(format!("the link {} becomes the body ground", base.get("name").unwrap_or_default()));
     space.solids.push(Solid::default());
     // The mass of the ground has no effect, but is checked.
@@ -119,7 +123,11 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         }
     }
     if let Some(&lost) = left.first() {
-        bail!("{}: the parent link of this joint is not connected to the other links", joints[lost].at());
+        bail!(
+            "{}: the parent link of this joint is not connected to the other links: connect the parent link by a \
+            joint",
+            joints[lost].at()
+        );
     }
     for (first, mimic) in followers {
         let name = mimic.get("joint").unwrap_or_default();
@@ -172,9 +180,8 @@ fn hinge(node: &Element, kind: &str, (first, second): (usize, usize), frame: Fra
         other => bail!("{}: a joint of the type {other} is not supported; use revolute or prismatic", node.at()),
     };
     let axis = node.child("axis").map(|axis| axis.fixed("xyz")).transpose()?.flatten().unwrap_or([1.0, 0.0, 0.0]);
-    let axis = unit(axis).with_context(|| {
-        format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
-    })?;
+    let axis = unit(axis)
+        .with_context(|| format!("{}: the vector of the axis is zero: write the direction of the axis", node.at()))?;
     let dynamics = |key: &'static str| -> Result<f64> {
         Ok(node.child("dynamics").map(|dynamics| dynamics.one(key)).transpose()?.flatten().unwrap_or(0.0))
     };

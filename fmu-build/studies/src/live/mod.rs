@@ -70,7 +70,12 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     println!("{address} (shows {shown}; press Ctrl-C to end)");
     stdout().flush().ok();
     if arguments.open {
-        open::that_detached(&address).with_context(|| format!("{address}: no browser could open the page"))?;
+        open::that_detached(&address).with_context(|| {
+            format!(
+                "{address}: no browser could open the page; open this \
+            address in a browser"
+            )
+        })?;
     }
     // The motion is computed before the page opens.
     let first = Arc::clone(&live);

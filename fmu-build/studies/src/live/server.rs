@@ -69,7 +69,12 @@ impl Site {
     /// The system provides no random numbers.
     pub fn new(port: u16) -> Result<Self> {
         let mut bytes = [0; 16];
-        getrandom::fill(&mut bytes).map_err(|error| anyhow!("no random numbers for the address: {error}"))?;
+        getrandom::fill(&mut bytes).map_err(|error| {
+            anyhow!(
+                "the system returned no random numbers for the address \
+            of the page: {error}"
+            )
+        })?;
         let token = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { hosts: ["127.0.0.1", "localhost"].map(|host| format!("{host}:{port}")), token })
     }
@@ -89,10 +94,10 @@ impl Site {
         let origin = only(head, "origin");
         let is_read = head.method == Some("GET");
         if !origin.map_or(is_read && !has(head, "origin"), is_own) {
-            return Err(Answer::refused(403, "only the page of --live may send this request"));
+            return Err(Answer::refused(403, "only the page that --live opens may send this request"));
         }
         if !only(head, "sec-fetch-site").is_none_or(|site| site == "same-origin" || site == "none") {
-            return Err(Answer::refused(403, "only the page of --live may send this request"));
+            return Err(Answer::refused(403, "only the page that --live opens may send this request"));
         }
         let target = head.path.unwrap_or_default();
         let (path, query) = target.split_once('?').unwrap_or((target, ""));
@@ -238,19 +243,14 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
                 if body.len() as u64 != expected {
                     return Err(Answer::refused(
                         400,
-                        "the body of the request has another length than the request \
-                        states",
+                        "the HTTP request has a content of another length than its Content-Length header states",
                     ));
                 }
                 return Ok(Request { method, path, query, body });
             }
             Ok(httparse::Status::Partial) if count > 0 && bytes.len() < LARGEST_HEAD => {}
             Ok(httparse::Status::Partial) => {
-                return Err(Answer::refused(
-                    431,
-                    "the head of the request is too long or \
-                not complete",
-                ));
+                return Err(Answer::refused(431, "the head of the HTTP request is too long or not complete"));
             }
             Err(_) => return Err(Answer::refused(400, "this is not a request of HTTP 1.1")),
         }
@@ -260,7 +260,7 @@ fn read(stream: &mut TcpStream, site: &Site) -> Result<Request, Answer> {
 /// Length of the body. A page of another site cannot send JSON without a preflight request, which is not answered.
 fn length_of_body(head: &httparse::Request) -> Result<u64, Answer> {
     if has(head, "transfer-encoding") {
-        return Err(Answer::refused(411, "the request must state the length of its body"));
+        return Err(Answer::refused(411, "the HTTP request has no valid Content-Length header; send this header"));
     }
     if !has(head, "content-length") {
         return Ok(0);
@@ -268,10 +268,10 @@ fn length_of_body(head: &httparse::Request) -> Result<u64, Answer> {
     let stated = only(head, "content-length").filter(|text| text.bytes().all(|byte| byte.is_ascii_digit()));
     let length = stated.and_then(|length| length.parse().ok()).ok_or_else(|| Answer::refused(400, "no length"))?;
     if length > LARGEST_BODY {
-        return Err(Answer::refused(413, "the body of the request is too large"));
+        return Err(Answer::refused(413, "the content of the HTTP request is too large"));
     }
     if length > 0 && only(head, "content-type").is_none_or(|kind| kind != "application/json") {
-        return Err(Answer::refused(415, "the body of the request must be JSON"));
+        return Err(Answer::refused(415, "the content of the HTTP request must be JSON"));
     }
     Ok(length)
 }

@@ -152,14 +152,21 @@ pub fn run_one(runner: &mut Runner, point: &[f64], state: Option<Waypoint>, valu
 pub fn read(bytes: &[u8], runs: Range<u64>, columns: usize) -> Result<Rows<'_>> {
     let length = (runs.end - runs.start) as usize * columns * 8;
     let Some((numbers, mut rest)) = bytes.split_at_checked(length) else {
-        bail!("a part of the journal has {} bytes, but the runs of this part need {length} bytes", bytes.len());
+        bail!(
+            "the journal (file runs.journal) is damaged: a part has {} bytes, but the runs of this part need \
+            {length} bytes",
+            bytes.len()
+        );
     };
     let values = numbers.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
     let (mut remarks, mut left) = (Vec::new(), runs.clone());
     while let Some((index, remark)) = next_remark(&mut rest)? {
         let run = runs.start + index;
         if !left.contains(&run) {
-            bail!("a part of the journal contains a message of a run that belongs to another part");
+            bail!(
+                "the journal (file runs.journal) is damaged: a part contains a message of a run that belongs to \
+                another part"
+            );
         }
         left.start = run + 1;
         remarks.push((run, remark));
@@ -173,10 +180,9 @@ fn next_remark<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u64, Remark<'a>)>> {
         return Ok(None);
     }
     let mut take = |count: usize| {
-        let (own, rest) = bytes.split_at_checked(count).context(
-            "a part of the journal (file runs.journal) is \
-            incomplete",
-        )?;
+        let (own, rest) = bytes
+            .split_at_checked(count)
+            .context("the journal (file runs.journal) is damaged: a part is incomplete")?;
         *bytes = rest;
         Ok::<_, anyhow::Error>(own)
     };
@@ -184,7 +190,10 @@ fn next_remark<'a>(bytes: &mut &'a [u8]) -> Result<Option<(u64, Remark<'a>)>> {
     let index = number(take(4)?);
     let is_failure = take(1)? != [0];
     let length = number(take(4)?) as usize;
-    let text = std::str::from_utf8(take(length)?).context("a message of a run in the journal is not UTF-8 text")?;
+    let text = std::str::from_utf8(take(length)?).context(
+        "the journal (file runs.journal) is damaged: a message of \
+        a run is not UTF-8 text",
+    )?;
     Ok(Some((u64::from(index), Remark { is_failure, text })))
 }
 

@@ -106,8 +106,8 @@ impl Design {
             let factor = factor(&key, name, stated, model, &mut dimensions)?;
             if factors.iter().any(|other: &Factor| other.reference == factor.reference) {
                 bail!(
-                    "{key}: this factor is also a column of the CSV file in the key points; remove the column or \
-                    this factor"
+                    "{key}: this factor is also a column of the CSV file that the key `points` names; remove the \
+                     column or this factor"
                 );
             }
             if let Source::List(values) = &factor.source {
@@ -118,9 +118,15 @@ impl Design {
             factors.push(factor);
         }
         let cube = match (study.sampling, dimensions) {
-            (Some(_), 0) => bail!("sampling: no factor has a distribution; add a distribution, or remove sampling"),
+            (Some(_), 0) => bail!(
+                "sampling: no factor has a distribution; add a distribution to a factor, or remove \
+                `sampling`"
+            ),
             (None, 1..) => {
-                bail!("sampling: this key is missing; add the sampling method of the factors with a distribution")
+                bail!(
+                    "sampling: this key is missing, but a factor has a distribution; add the key `sampling` with a \
+                    method"
+                )
             }
             (Some(sampling), _) if sampling.count == 0 => bail!("sampling.count = 0: must be at least 1"),
             (Some(sampling), _) if most_dimensions(sampling.method) < dimensions => bail!(
@@ -226,11 +232,12 @@ fn factor(
     let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
     if bounds.is_some() {
         bail!(
-            "{key}.bounds: this key belongs to `optimise`; for a sweep, write values, range, uniform or normal instead"
+            "{key}.bounds: this key belongs to `optimise`; for a sweep, give one of the keys `values`, `range`, \
+             `uniform` and `normal`"
         );
     }
     if steps.is_some() && range.is_none() {
-        bail!("{key}.steps: this key is allowed only together with the key range; add range, or remove steps");
+        bail!("{key}.steps: this key is allowed only together with the key `range`; add `range`, or remove `steps`");
     }
     factor.source = match (values, range, uniform, normal) {
         (Some(values), None, None, None) => {
@@ -249,7 +256,10 @@ fn factor(
             match steps {
                 Some(count) if *count >= 1 => Source::Range(first, last, *count),
                 Some(count) => bail!("{key}.steps = {count}: must be at least 1"),
-                None => bail!("{key}.steps: this key is missing; add the number of values of the range"),
+                None => bail!(
+                    "{key}.steps: this key is missing; add the key `steps`, the number of values of the \
+                    range"
+                ),
             }
         }
         (None, None, Some(uniform), None) => {
@@ -272,7 +282,7 @@ fn factor(
             *dimensions += 1;
             Source::Normal(normal, *dimensions - 1)
         }
-        _ => bail!("{key}: give exactly one of values, range, uniform and normal"),
+        _ => bail!("{key}: give exactly one of the keys `values`, `range`, `uniform` and `normal`"),
     };
     Ok(factor)
 }
@@ -285,7 +295,8 @@ fn factor(
 pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f64; 2])>> {
     if study.points.is_some() || study.sampling.is_some() {
         bail!(
-            "points and sampling: these keys belong to `sweep`; remove these keys, and give each factor the key bounds"
+            "the keys `points` and `sampling` belong to `sweep`; remove these keys, and give each factor the key \
+             `bounds`"
         );
     }
     let mut all: Vec<(Factor, [f64; 2])> = Vec::new();
@@ -295,10 +306,13 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         let definition::Factor { values, range, steps, uniform, normal, bounds } = stated;
         let is_other = values.is_some() || range.is_some() || steps.is_some() || uniform.is_some() || normal.is_some();
         let Some([least, largest]) = bounds.filter(|_| !is_other) else {
-            bail!("{key}: an optimisation varies a factor between two bounds; give only bounds = [least, largest]");
+            bail!(
+                "{key}: an optimisation varies a factor between two bounds; give only the key `bounds`, as [least, \
+                largest]"
+            );
         };
         if factor.kind != Kind::Real {
-            bail!("{key}.bounds: {name} is not a number; set its value in start_values");
+            bail!("{key}.bounds: {name} is not a number; set its value in `start_values`");
         }
         if !(largest > least && (largest - least).is_finite()) {
             bail!(
@@ -309,7 +323,7 @@ pub fn bounded(study: &Definition, model: &Component) -> Result<Vec<(Factor, [f6
         all.push((factor, [least, largest]));
     }
     if all.is_empty() {
-        bail!("factors: an optimisation needs at least one factor with the key bounds");
+        bail!("factors: an optimisation needs at least one factor with the key `bounds`");
     }
     Ok(all)
 }

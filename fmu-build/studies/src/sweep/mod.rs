@@ -228,7 +228,8 @@ impl Study {
         let shown = path.display();
         if definition.objective.is_some() || !definition.constraints.is_empty() || definition.search.is_some() {
             bail!(
-                "{shown}: objective, constraints and search belong to `{} optimise`; remove these keys",
+                "{shown}: the keys `objective`, `constraints` and `search` belong to `{} optimise`; remove these \
+                 keys",
                 workspace.program()
             );
         }
@@ -278,7 +279,7 @@ fn task(definition: &Definition, folder: &Path, component: &Component, factors: 
     let scenario = Scenario::new(definition, folder, component, factors, &responses::instants(definition)?)?;
     if let Some(factor) = factors.iter().find(|factor| scenario.sets(factor.reference)) {
         bail!(
-            "factors.{}: this factor is also set by start_values or the scenario; remove one of the two settings",
+            "factors.{}: this factor is also set by `start_values` or `scenario`; remove one of the two settings",
             factor.name
         );
     }

@@ -140,7 +140,7 @@ impl Responses {
         };
         let key = format!("{key}.{kind}");
         if times.is_some() != (kind == "course") {
-            bail!("{key}: give the keys course and times together; times lists the instants of the time series");
+            bail!("{key}: give the keys `course` and `times` together; `times` lists the instants of the time series");
         }
         let met = (kind == "event").then(|| event(&key, variable, model)).transpose()?;
         let reference = find(model.interface(), variable).with_context(|| key.clone())?;
@@ -149,7 +149,10 @@ impl Responses {
             bail!("{key}: {variable} is a text, but a response must be a number");
         }
         if !scenario.is_sampled && !matches!(kind, "event" | "final" | "course") {
-            bail!("{key}: this response needs communication steps of constant size; add scenario.output_interval");
+            bail!(
+                "{key}: this response needs communication steps of constant size; add the key \
+                `scenario.output_interval`"
+            );
         }
         let unit = of.unit.map_or("", Unit::name);
         let mut names = vec![(name.to_owned(), unit.to_owned())];
@@ -175,7 +178,11 @@ impl Responses {
             _ => {
                 let times = times.clone().unwrap_or_default();
                 if let Some(late) = times.iter().find(|time| **time > scenario.stop()) {
-                    bail!("{key}: the instant {late} s is after the end of the run at {} s", scenario.stop());
+                    bail!(
+                        "{key}: the instant {late} s is after the end of the run at {} s; give an earlier instant, \
+                        or a later `stop_time`",
+                        scenario.stop()
+                    );
                 }
                 names = times.iter().map(|time| (format!("{name}@{}", Decimal(*time)), unit.to_owned())).collect();
                 Measure::Course(times)

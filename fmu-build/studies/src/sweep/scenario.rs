@@ -241,8 +241,8 @@ fn check_input(key: &str, variable: Option<&Variable>) -> Result<()> {
         Some(variable) if variable.causality != Causality::Input => {
             let what = variable.causality.word().to_lowercase();
             bail!(
-                "{key}: this variable is not an input but a {what}; set this variable in start_values, or as a factor \
-                 if the value differs between runs"
+                "{key}: this variable is not an input but a {what}; set this variable in `start_values`, or as a \
+                 factor if the value differs between runs"
             )
         }
         _ => Ok(()),

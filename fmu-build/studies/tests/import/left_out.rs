@@ -41,7 +41,7 @@ fn medium_softness_and_second_drives() {
     let text = replaced(MJCF, "<option", r#"<option density="0" wind="1 0 0""#);
     assert_says(&notes(Form::Mjcf, &text), &["<option> wind is left out"]);
     let text = text.replace(r#"density="0""#, r#"density="1.2""#);
-    assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set density and viscosity to 0"]);
+    assert_says(&refusal(Form::Mjcf, &text), &["<option>: density = \"1.2\"", "set `density` and `viscosity` to 0"]);
     let text = replaced(MJCF, r#"name="pin""#, r#"name="pin" margin="0.1" solreflimit="0.02 1""#);
     assert_says(&notes(Form::Mjcf, &text), &["<joint> margin is left out", "<joint> solreflimit is left out"]);
     let two = r#"<motor joint="bearing"/><position name="second" joint="bearing" kp="5" gear="2"/>"#;
@@ -118,7 +118,7 @@ fn elements_without_a_counterpart_are_rejected() {
         (r#"frictionloss="-.5""#, "", &["line 1: <joint \"j\">: frictionloss = -0.5", "must not be negative"][..]),
         (r#"stiffness="1 2""#, "", &["stiffness", "linear coefficient"]),
         (r#"damping="-1""#, "", &["damping = -1", "must not be negative"]),
-        (r#"springdamper=".1 1""#, "", &["springdamper", "write stiffness and damping"]),
+        (r#"springdamper=".1 1""#, "", &["springdamper", "write `stiffness` and `damping`"]),
         (
             "",
             r#"<tendon><spatial frictionloss="1"><site site="s"/><site site="t"/></spatial></tendon>"#,
@@ -140,9 +140,9 @@ fn elements_without_a_counterpart_are_rejected() {
         ("", r#"<equality><tendon tendon1="t"/></equality>"#, &["<tendon>", "remove this equality"]),
         ("", r#"<tendon><fixed name="f"/></tendon>"#, &["<fixed \"f\">", "several joints"]),
         ("", r#"<tendon><spatial><site site="s"/><site site="t"/><site site="s"/></spatial></tendon>"#, &["two sites"]),
-        ("", r#"<actuator><position joint="j" dampratio="1"/></actuator>"#, &["dampratio", "write kv"]),
+        ("", r#"<actuator><position joint="j" dampratio="1"/></actuator>"#, &["dampratio", "write `kv`"]),
         ("", r#"<actuator><general joint="j" biastype="affine" biasprm="0 1"/></actuator>"#, &["signs of the bias"]),
-        ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "an element motor"]),
+        ("", r#"<actuator><dcmotor joint="j"/></actuator>"#, &["<dcmotor>", "an element `motor`"]),
         ("", "<worldbody><replicate/></worldbody>", &["<replicate>", "mj_saveLastXML"]),
         ("", r#"<include file="other.xml"/>"#, &["<include>", "other.xml"]),
     ] {

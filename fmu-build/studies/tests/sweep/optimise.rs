@@ -36,16 +36,19 @@ fn wrong_optimisations_are_rejected_in_one_line() {
         (with("objective", json!({ "minimise": "q" })), "objective.minimise: there is no response \"q\""),
         (with("constraints", json!({ "q": { "at_most": 1 } })), "constraints.q: there is no response"),
         (with("factors", json!({})), "factors: an optimisation needs at least one factor"),
-        (with("factors", json!({ "crank.mass": { "values": [1] } })), "give only bounds = [least, largest]"),
-        (with("factors", json!({ "crank.mass": { "bounds": [1, 2], "steps": 2 } })), "give only bounds"),
+        (
+            with("factors", json!({ "crank.mass": { "values": [1] } })),
+            "give only the key `bounds`, as [least, largest]",
+        ),
+        (with("factors", json!({ "crank.mass": { "bounds": [1, 2], "steps": 2 } })), "give only the key `bounds`"),
         (with("factors", json!({ "crank.mass": { "bounds": [2, 2] } })), "factors.crank.mass.bounds = [2.0, 2.0]"),
         (with("factors", json!({ "friction.enabled": { "bounds": [0, 1] } })), "friction.enabled is not a number"),
         (
             with("start_values", json!({ "crank.mass": 12 })),
-            "factors.crank.mass: this factor is also set by start_values",
+            "factors.crank.mass: this factor is also set by `start_values`",
         ),
         (with("search", json!({ "evaluations": 3 })), "search.evaluations = 3: must be from 20 to 1000000"),
-        (with("points", json!("points.csv")), "points and sampling: these keys belong to `sweep`"),
+        (with("points", json!("points.csv")), "the keys `points` and `sampling` belong to `sweep`"),
         (
             with("responses", json!({ "r": { "final": "crank.angle" }, "violation": { "final": "crank.angle" } })),
             "responses.violation",

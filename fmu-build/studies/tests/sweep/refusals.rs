@@ -29,7 +29,10 @@ fn wrong_studies_are_rejected_in_one_line() {
             with("factors", json!({ "crank.angle": { "values": [1] } })),
             "crank.angle is an output; a factor must be a parameter or an input; similar parameters and inputs are",
         ),
-        (with("factors", json!({ "crank.mass": {} })), "give exactly one of values, range, uniform and normal"),
+        (
+            with("factors", json!({ "crank.mass": {} })),
+            "give exactly one of the keys `values`, `range`, `uniform` and `normal`",
+        ),
         (
             with("factors", json!({ "crank.mass": { "range": [1, 2] } })),
             "factors.crank.mass.steps: this key is missing",
@@ -88,12 +91,12 @@ fn wrong_studies_are_rejected_in_one_line() {
             with("start_values", json!({ "friction.enabled": 1 })),
             "start_values.friction.enabled: friction.enabled must be true or false, not 1",
         ),
-        (response(json!({ "maximum": "joint1.force" })), "add scenario.output_interval"),
+        (response(json!({ "maximum": "joint1.force" })), "add the key `scenario.output_interval`"),
         (response(json!({ "event": "crank.angle" })), "an event must be the flag variable of a stop"),
         (response(json!({ "event": "upstop" })), "the flag variable of this stop is retracted; write retracted"),
         (with("scenario", json!({ "stop_at": "up" })), "the flag variables of this mechanism are retracted, extended"),
         (response(json!({ "final": "crank.angle", "minimum": "crank.angle" })), "give exactly one of"),
-        (response(json!({ "course": "crank.angle" })), "give the keys course and times together"),
+        (response(json!({ "course": "crank.angle" })), "give the keys `course` and `times` together"),
         (response(json!({ "course": "crank.angle", "times": [] })), "responses.r.times: the list is empty"),
         (
             response(json!({ "course": "crank.angle", "times": [0.1, 0.2, 0.1] })),
@@ -129,5 +132,5 @@ fn wrong_studies_are_rejected_in_one_line() {
     let twice = json!({
         "factors": { "crank.mass": { "values": [1] } }, "start_values": { "crank.mass": 2 }, "responses": final_angle
     });
-    assert!(refusal(&folder, twice).contains("factors.crank.mass: this factor is also set by start_values"));
+    assert!(refusal(&folder, twice).contains("factors.crank.mass: this factor is also set by `start_values`"));
 }

@@ -279,7 +279,7 @@ impl HydraulicSystem {
                 None => {
                     let near = nearest(self.cylinders.names().into_iter(), &valve.cylinder);
                     let allowed = match near.is_empty() {
-                        true => "add a cylinder of this name under cylinders".to_owned(),
+                        true => "add a cylinder of this name under `cylinders`".to_owned(),
                         false => format!("write the name of a cylinder of this file, such as {}", near.join(" or ")),
                     };
                     faults.push(DefinitionError::unknown(path("cylinder"), &valve.cylinder, allowed));

@@ -48,8 +48,8 @@ impl Mechanism {
             if let (Some(name), false) = (name, key.starts_with("guess.")) {
                 let why = format!(
                     "a simulation tool can change {name}, but this number is fixed when the file is read: write an \
-                     expression without parameters, or replace the key drawn by the key length and by points in the \
-                     frame of the body"
+                     expression without parameters, or replace the key `drawn` by the key `length` and by `points` \
+                     in the frame of the body"
                 );
                 faults.refuse(&key, format_args!("\"{}\": {why}", texts[fixed.index]));
             }

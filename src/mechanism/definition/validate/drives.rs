@@ -11,10 +11,12 @@ impl Mechanism {
         if self.has_hydraulics() {
             let message = match self.hydraulic_drive() {
                 Some((_, other, _)) => format!(
-                    "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the circuit \
-                     or this motion"
+                    "actuators.{other} has a hydraulic circuit, which excludes a prescribed motion: remove the \
+                     circuit, or remove this motion"
                 ),
-                None => "the hydraulic network excludes a prescribed motion: remove hydraulics or this motion".into(),
+                None => "the hydraulic network excludes a prescribed motion: remove `hydraulics`, or remove this \
+                    motion"
+                    .into(),
             };
             faults.refuse(&key, message);
         }

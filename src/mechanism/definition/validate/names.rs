@@ -40,7 +40,7 @@ pub(super) fn entry<'m, T>(
 ) -> Result<&'m T, DefinitionError> {
     entries.get(name).ok_or_else(|| {
         let allowed = match entries.names() {
-            names if names.is_empty() => format!("there are no {group}: add the key {group}"),
+            names if names.is_empty() => format!("the definition has no {group}: add the key `{group}`"),
             names => alternatives(&format!("the {group}"), &names, name),
         };
         DefinitionError::unknown(key, name, allowed)
@@ -65,7 +65,7 @@ pub(super) fn alternatives(what: &str, names: &[&str], name: &str) -> String {
         sorted.truncate(COMPARED);
     }
     let nearest = nearest(sorted.into_iter(), name).join(", ");
-    format!("there are {} names of {what}; similar names are {nearest}", names.len())
+    format!("this is none of the {} names of {what}; similar names are {nearest}", names.len())
 }
 
 impl Mechanism {
@@ -141,7 +141,7 @@ impl Mechanism {
             ("origin", ..) => Ok((index, [0.0, 0.0])),
             ("end", Some(length), _) => Ok((index, [length, 0.0])),
             ("end", None, _) => {
-                unknown(format!("{body} has no length and therefore no point end: add bodies.{body}.length"))
+                unknown(format!("{body} has no length and therefore no point `end`: add bodies.{body}.length"))
             }
             (.., Some(&local)) => Ok((index, local)),
             (_, length, None) => {

@@ -73,8 +73,8 @@ impl Mechanism {
         if self.turns(actuator) {
             refuse(
                 "",
-                "a cylinder of the network has this name, and a cylinder moves along a line: give the keys first \
-                 and second, or a prismatic joint",
+                "a cylinder of the network has this name, and a cylinder moves along a line, so this drive must be \
+                 linear: give the keys `first` and `second`, or name a prismatic joint in the key `joint`",
             );
         }
         if self.is_in_slot(actuator) {

@@ -54,7 +54,7 @@ impl Linkage {
                 return named.refused(
                     "face_angle",
                     "the face is parallel to the axis of the joint, so the cam cannot move the follower; change \
-                     face_angle",
+                     `face_angle`",
                 );
             }
             let start = carrier.local + turned(contact.local - second.local, turn) - center;
@@ -131,7 +131,7 @@ impl Linkage {
                 if half <= LEAST * radius {
                     let message = format!(
                         "the centre of the roller stays at least {} m away from the centre of the cam, but {what} is \
-                         only {} m: make base_radius larger",
+                         only {} m: make `base_radius` larger",
                         told(offset),
                         told(radius)
                     );
@@ -154,9 +154,10 @@ impl Linkage {
                 }
                 if all.is_empty() {
                     let message = format!(
-                        "the face cannot touch the base circle: {what} is {} m, and the line of the face is {} m away \
-                         from the pivot of the follower; the difference of these two lengths must be smaller than the \
-                         {} m between the pivot and the centre of the cam: change base_radius or the follower",
+                        "the face cannot touch the base circle: {what} is {} m, and the line of the face is {} m \
+                         away from the pivot of the follower; the difference of these two lengths must be smaller \
+                         than the {} m between the pivot and the centre of the cam: change `base_radius` or the \
+                         follower",
                         told(radius),
                         told(off.abs()),
                         told(distance)
@@ -170,7 +171,7 @@ impl Linkage {
                 if cos.is_nan() || cos.abs() >= 1.0 {
                     let message = format!(
                         "{what} is {} m, but the centre of the roller can only be from {} m to {} m from the centre \
-                         of the cam: change base_radius or the follower",
+                         of the cam: change `base_radius` or the follower",
                         told(radius),
                         told((distance - length).abs()),
                         told(distance + length)

@@ -51,8 +51,8 @@ impl Loading {
                     if steepest * tangent >= 1.0 {
                         let message = format!(
                             "the pitch curves are inclined by up to {} rad, too steep for teeth with this pressure \
-                             angle: the sum of both angles must be less than pi/2; use a smaller pressure_angle or \
-                             a smaller eccentricity",
+                             angle: the sum of both angles must be less than pi/2; use a smaller `pressure_angle` or \
+                             a smaller `eccentricity`",
                             Decimal::rounded(steepest.atan())
                         );
                         return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));

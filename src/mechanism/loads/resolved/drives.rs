@@ -184,7 +184,8 @@ fn integral_of(name: &str, control: &definition::Control) -> Result<Option<Integ
     if tracking.is_finite() {
         return Ok(Some(Integral { gain, tracking }));
     }
-    let message = "the default position_gain / integral_gain is too small, because position_gain is too small: give \
-        tracking_time or a larger position_gain, or remove the limits of the force and of its rate";
+    let message = "the default of this key, `position_gain` / `integral_gain`, is too small, because `position_gain` \
+        is too small: give `tracking_time` or a larger `position_gain`, or remove the limits of the force and of its \
+        rate";
     Err(DefinitionError::key(format_args!("actuators.{name}.control.tracking_time"), message.to_owned()))
 }

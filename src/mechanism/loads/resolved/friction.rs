@@ -182,7 +182,7 @@ impl Loading {
         for (coupling, (name, angle)) in pressure_angles(mechanism) {
             if mechanism.couplings.get(name).is_some_and(|own| own.kind == CouplingKind::EllipticGears) {
                 let message = "the friction of joints cannot include the separating force of elliptic gears: set \
-                               pressure_angle to 0, or remove friction";
+                               `pressure_angle` to 0, or remove `friction`";
                 return Err(DefinitionError::key(format_args!("couplings.{name}.pressure_angle"), message));
             }
             let (joint, load, kind) = (mechanism.joints.len() + coupling, self.loads.len(), FrictionKind::Teeth);
@@ -334,7 +334,7 @@ fn check_law(mechanism: &Mechanism, what: &str, key: fmt::Arguments) -> Result<(
         return Ok(());
     }
     let message = format!(
-        "{what} needs a friction law that can hold the mechanism at rest: write \"law\": \"stick\" in friction, or \
+        "{what} needs a friction law that can hold the mechanism at rest: write \"law\": \"stick\" in `friction`, or \
          remove this key"
     );
     Err(DefinitionError::key(key, message))

@@ -51,7 +51,8 @@ static RESOLVE: OnceLock<Resolve> = OnceLock::new();
 
 /// The words for hydraulics or states of controllers in a library without their code.
 pub const NO_HYDRAULICS: &str = concat!(
-    "the library of this FMU is for mechanisms without hydraulics, integral_gain and force_time_constant, but the ",
+    "the library of this FMU is for mechanisms without the keys `hydraulics`, `integral_gain` and \
+     `force_time_constant`, but the ",
     "definition contains a hydraulic circuit, a network or one of these keys: build the FMU again from the changed ",
     "definition, with cargo fmu package"
 );

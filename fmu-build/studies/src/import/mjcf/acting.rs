@@ -108,7 +108,7 @@ impl Mjcf {
         let ([first, second], sites) = self.ends(node)?;
         ensure!(
             node.one("torquescale")? != Some(0.0),
-            "{}: a weld with torquescale = 0 is a connection: write <connect>",
+            "{}: a weld with torquescale = 0 does not hold the angle, so it is a connection: write <connect>",
             node.at()
         );
         let [one, mut other] = [self.frames[first], self.frames[second]];
@@ -186,7 +186,7 @@ impl Mjcf {
         let rest = node.numbers("springlength")?.unwrap_or_default();
         ensure!(
             rest.len() < 2 || rest[0] == rest[1],
-            "{}: springlength: a range without force is not supported: write one length",
+            "{}: springlength: `import` does not support a range without force: write one length",
             node.at()
         );
         if let Some(spring) = acting.springs.first_mut() {
@@ -337,7 +337,8 @@ fn law(node: &Element) -> Result<Law> {
     let damped = |kp: f64| -> Result<Law> {
         ensure!(
             number("dampratio", 0.0)? == 0.0,
-            "{}: dampratio depends on the inertia at one position: write kv in its place",
+            "{}: `import` does not support `dampratio`, which depends on the inertia at one position: write `kv` \
+             instead",
             node.at()
         );
         Ok(Law { bias: [0.0, -kp, -number("kv", 0.0)?], gain: kp })

@@ -104,7 +104,11 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     for world in root.all("worldbody") {
         reader.body(world, 0, ([0.0; 3], SAME), None)?;
     }
-    ensure!(reader.space.solids.len() > 1, "<worldbody> contains no <body>, so there is no mechanism");
+    ensure!(
+        reader.space.solids.len() > 1,
+        "<worldbody> contains no <body>, so there is no mechanism: add the bodies \
+        of the mechanism"
+    );
     if let Some(total) = total {
         let sum: f64 = reader.space.solids.iter().map(|solid| solid.mass).sum();
         for solid in &mut reader.space.solids {
@@ -133,7 +137,7 @@ impl Mjcf {
             if let Some(sequence) = node.get("eulerseq") {
                 let is_axis = |letter: char| "xyzXYZ".contains(letter);
                 let right = sequence.len() == 3 && sequence.chars().all(is_axis);
-                ensure!(right, "{}: eulerseq must be three letters of xyzXYZ", node.at());
+                ensure!(right, "{}: eulerseq must be three letters of xyzXYZ, such as xyz", node.at());
                 sequence.clone_into(&mut self.sequence);
             }
             if let Some(word) = node.get("autolimits") {
@@ -320,7 +324,7 @@ impl Mjcf {
         let value = |value: f64| if slides { value } else { self.angle(value) };
         let axis = unit(node.fixed("axis")?.unwrap_or([0.0, 0.0, 1.0]));
         let axis = axis.with_context(|| {
-            format!("{}: the vector of the axis is zero: write a vector whose length is not zero", node.at())
+            format!("{}: the vector of the axis is zero: write the direction of the axis", node.at())
         })?;
         let origin = value(node.one("ref")?.unwrap_or(0.0));
         let mut acting = self.passive(node)?;
@@ -353,13 +357,13 @@ impl Mjcf {
                 node.at()
             );
             let value = all.first().copied().unwrap_or(0.0);
-            ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative", node.at());
+            ensure!(value >= 0.0, "{}: {key} = {value}: must not be negative: correct the sign", node.at());
             Ok(if is_on { value } else { 0.0 })
         };
         let friction = node.one("frictionloss")?.filter(|_| self.enabled.friction).unwrap_or(0.0);
         ensure!(
             friction >= 0.0,
-            "{}: frictionloss = {friction}: must not be negative: write the size of the friction",
+            "{}: frictionloss = {friction}: must not be negative: write the friction as a positive number",
             node.at()
         );
         let stiffness = linear("stiffness", self.enabled.spring)?;
@@ -391,7 +395,15 @@ impl Mjcf {
         let size = node.numbers("size")?.unwrap_or_default();
         let has_mass = self.needs_geoms && (self.groups[0]..=self.groups[1]).contains(&group);
         let mut at = self.frame(node, frame)?;
-        let part = |k: usize| size.get(k).copied().with_context(|| format!("{}: size has too few numbers", node.at()));
+        let part = |k: usize| {
+            size.get(k).copied().with_context(|| {
+                format!(
+                    "{}: the attribute size has too few \
+            numbers: add the missing numbers",
+                    node.at()
+                )
+            })
+        };
         let mut length = None;
         if let Some(ends) = node.fixed("fromto")? {
             let (placed, between) = along(node, ends, frame)?;

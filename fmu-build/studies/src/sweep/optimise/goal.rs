@@ -65,7 +65,7 @@ impl Goal {
         let (sign, key, name) = match &study.objective {
             Some(Objective { minimise: Some(name), maximise: None }) => (1.0, "minimise", name),
             Some(Objective { minimise: None, maximise: Some(name) }) => (-1.0, "maximise", name),
-            Some(_) => bail!("objective: give exactly one of minimise and maximise"),
+            Some(_) => bail!("objective: give exactly one of the keys `minimise` and `maximise`"),
             None => bail!("objective: this key is missing; give the response to be minimised: {{ \"minimise\": ... }}"),
         };
         let column = find(&format!("objective.{key}"), name)?;
@@ -88,7 +88,7 @@ impl Goal {
                 }
             }
             if stated.at_least.is_none() && stated.at_most.is_none() {
-                bail!("{key}: the constraint has no limit; give at_least, at_most or both");
+                bail!("{key}: the constraint has no limit; give the key `at_least`, the key `at_most`, or both");
             }
         }
         Ok(Self { name: name.clone(), column, sign, limits })

@@ -94,7 +94,8 @@ impl Step<'_> {
             ),
             Missed::End(side) => match ends.travel.rigid[side] {
                 Some(end) => format!(
-                    "{} ends the travel at {}; end the motion at this position, or set enabled of the stop to false",
+                    "{} ends the travel at {}; end the motion at this position, or set `enabled` of the stop to \
+                     false",
                     whole.loading().stops[end.stop].name,
                     reach(ends.limits[side])
                 ),
