@@ -2,8 +2,8 @@
 //!
 //! In: an equation of motion, places of stops, contact, state. Out: state at the end of the span, contact, energy lost
 //! in impacts. Events (impacts, bumpers, reversals, regimes of friction, pressures at which locks change) are found on
-//! the interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond the
-//! span (`step_ahead.rs`). Must not know: loads.
+//! the interpolant of a step. Impacts and locks are then located on the integration itself. A step may extend beyond
+//! the span (`step_ahead.rs`). Must not know: loads.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;

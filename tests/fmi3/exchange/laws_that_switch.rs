@@ -248,7 +248,7 @@ fn a_conveyor_is_exchanged() {
     run.initialize().unwrap();
     let mut count = 0;
     for _ in 0..10 {
-        count += integrate(&fmu, 0.1, 1e-3).len();
+        count += integrate(&fmu, 0.1, 5e-4).len();
         run.step(0.1).unwrap();
         for name in ["slide.position", "slide.speed", "slide.slip_speed", "slide.surface_power"] {
             let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());

@@ -1,7 +1,7 @@
 //! Slip speeds of friction joints, and where they leave the ranges of their regimes.
 //!
-//! In: an equation of motion, a step, its interpolant. Out: slip speeds with bounds, whether and where a regime changes.
-//! It must not know which regime follows.
+//! In: an equation of motion, a step, its interpolant. Out: slip speeds with bounds, whether and where a regime
+//! changes. It must not know which regime follows.
 use super::REGIME_TOLERANCE;
 use crate::integrator::{Dense, Step};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
