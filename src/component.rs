@@ -4,8 +4,8 @@
 //! or the reason of a refusal. Must not know: laws of a model, and FMI except for value references.
 //!
 //! Another kind of hydraulic model needs one row in [`KINDS`] and `INSPECTORS` of the module `kinds`, and the trait
-//! [`AnyModel`]. Any other kind also needs one variant of [`Component`] and of [`Snapshot`], and one arm in each `match`
-//! of this module. Its model has methods of the same names, whose errors convert to [`Refused`].
+//! [`AnyModel`]. Any other kind also needs one variant of [`Component`] and of [`Snapshot`], and one arm in each
+//! `match` of this module. Its model has methods of the same names, whose errors convert to [`Refused`].
 // The same expression for the model of each kind.
 macro_rules! each {
     ($component:expr, $model:ident => $answer:expr) => {

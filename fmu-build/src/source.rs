@@ -305,10 +305,10 @@ mod tests {
     fn a_file_of_another_kind_is_named() {
         let [gear, study, system] = ["bodies", "responses", "fmus"].map(|key| format!("{{ \"{key}\": {{}} }}"));
         for (wanted, text, said) in [
-            ("study", &gear, "this file is a mechanism, not a study; use the command simulate"),
+            ("study", &gear, "this file is a mechanism, not a study; use the command `simulate`"),
             ("system", &gear, "this file is a mechanism, not a system"),
-            ("mechanism", &study, "this file is a study, not a mechanism; use the command sweep"),
-            ("mechanism", &system, "this file is a system, not a mechanism; use the command package with"),
+            ("mechanism", &study, "this file is a study, not a mechanism; use the command `sweep`"),
+            ("mechanism", &system, "this file is a system, not a mechanism; use the command `package` with"),
         ] {
             assert!(check_content(wanted, text).unwrap_err().to_string().starts_with(said), "{text}");
         }

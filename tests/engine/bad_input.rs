@@ -318,13 +318,7 @@ fn starts_out_of_reach() {
         &["crank.start_angle = 7 rad cannot be reached", "0.7168146928 rad is the same position: write this value"],
     );
     let degrees = text.replace(r#""angle": 7.0"#, r#""angle": 45"#);
-    check(
-        &degrees,
-        &[
-            "crank.start_angle = 45 rad cannot be reached",
-            "; if you mean 45 degrees: after --start-values, write 45deg",
-        ],
-    );
+    check(&degrees, &["crank.start_angle = 45 rad cannot be reached", "; if you mean 45 degrees, write 45deg after"]);
     // A crank that rotates fully may start in any turn.
     Model::from_json(&slider_crank(&[("start.angle", 700.into())])).unwrap();
 }

@@ -279,7 +279,7 @@ fn a_belt_needs_friction_that_does_not_stick() {
     bare.as_object_mut().unwrap().remove("friction");
     assert_says(refusal(bare), &["joints.slide.surface_speed", "add the key `friction`"]);
     let pin = machine(1.0, json!({ "joints": { "wrist": { "surface_speed": 1 } } }));
-    assert_says(refusal(pin), &["joints.wrist.surface_speed", "add pin_radius"]);
+    assert_says(refusal(pin), &["joints.wrist.surface_speed", "add the key `pin_radius`"]);
     let incline =
         parcel(f64::MAX, [0.3, 0.2], [0.01, 2.0]).with(json!({ "joints": { "slide": { "axis_angle": FRAC_PI_2 } } }));
     Run::new(incline).started().step(0.1);

@@ -83,6 +83,7 @@ fn exchange(definition: &mut Value, joint: &str, differs: &mut Differs) -> bool 
         let [axis, angle] = ["axis_angle", "angle"].map(|key| own.get(key).cloned().unwrap_or(json!(0)));
         (own["axis_angle"], own["angle"]) = (less(&axis, &angle), negative(&angle));
     }
+    negate(own, &["surface_speed"]);
     differs.mirrored.push(joint.to_owned());
     for (name, drive) in in_joint(definition, "actuators", joint) {
         negate(drive, &["force", "torque"]);

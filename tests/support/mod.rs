@@ -270,8 +270,8 @@ impl Run {
         self.restore(&state).unwrap_or_else(|e| panic!("{e}"));
     }
 
-    /// Save the state, advance, restore the state, advance: all values are identical both times, and in another run that
-    /// reads the state. The run ends after the advance.
+    /// Save the state, advance, restore the state, advance: all values are identical both times, and in another run
+    /// that reads the state. The run ends after the advance.
     #[track_caller]
     pub fn repeats(&mut self, mut advance: impl FnMut(&mut Self)) {
         let saved = self.saved();

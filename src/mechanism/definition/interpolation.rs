@@ -187,7 +187,10 @@ mod tests {
         };
         assert!(told(true, 0.0).is_empty() && told(false, 5.0).is_empty());
         let [one] = &told(true, 5.0)[..] else { panic!("one warning") };
-        assert!(one.starts_with("start.speed: has no effect, because actuators.servo.motion prescribes"), "{one}");
+        assert!(
+            one.starts_with("start.speed: this key has no effect, because actuators.servo.motion prescribes"),
+            "{one}"
+        );
     }
 
     #[test]

@@ -221,7 +221,7 @@ impl<'a> Ends<'a> {
             None => self.travel.engages[place.side],
             Some(bumper) => self.travel.bumpers[bumper].engages,
         };
-        least.filter(|_| self.locked.waiting.contains(place)).unwrap_or(f64::INFINITY)
+        least.filter(|_| self.locked.waiting().contains(place)).unwrap_or(f64::INFINITY)
     }
 
     /// All places that are exactly at sigma, rigid stops first.

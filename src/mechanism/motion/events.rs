@@ -149,7 +149,7 @@ impl Guards {
         let borders = switches + dynamics.borders::<N>();
         let knots = borders + usize::from(knot.is_some());
         let levels = knots + dynamics.levels::<N>();
-        let of_bumper = if ends.locked.waiting.bumpers == BumperSet::EMPTY { 3 } else { 4 };
+        let of_bumper = if ends.locked.waiting_bumpers == BumperSet::EMPTY { 3 } else { 4 };
         let ends_of_kinds = [reversals, regimes, switches, borders, knots, levels, levels + 2];
         Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers(), of_bumper }
     }

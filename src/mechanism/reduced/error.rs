@@ -146,8 +146,8 @@ pub fn if_degrees(angle: f64) -> String {
     }
     let [degrees, radians] = [angle, angle.to_radians()].map(Decimal::rounded);
     format!(
-        "; if you mean {degrees} degrees: after --start-values, write {degrees}deg; in a definition file whose \
-         angles are in rad, write the number {radians}"
+        "; if you mean {degrees} degrees, write {degrees}deg after --start-values, or the number {radians} in a \
+         definition file whose angles are in rad"
     )
 }
 

@@ -55,8 +55,8 @@ fn a_change_of_a_port_takes_effect_at_once() {
     }
 }
 
-/// With a circuit the start `equilibrium` is rejected. Its remedy: start pressures whose force is the holding force give
-/// an equilibrium.
+/// With a circuit the start `equilibrium` is rejected. Its remedy: start pressures whose force is the holding force
+/// give an equilibrium.
 #[test]
 fn start_pressures_of_the_holding_force_give_an_equilibrium() {
     let gear = || {

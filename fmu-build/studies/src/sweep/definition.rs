@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn wrong_entries_are_errors_with_their_key() {
         for (text, said) in [
-            (r#"{ "mechanism": "a", "responses": {} }"#, "responses: is empty"),
+            (r#"{ "mechanism": "a", "responses": {} }"#, "responses: the object is empty"),
             (r#"{ "mechanism": "a" }"#, "the key `responses` is missing"),
             (r#"{ "mechanism": "a", "factor": {} }"#, "factor: there is no key `factor` here; did you mean `factors`?"),
             (r#"{ "mechanism": "a", "start_values": { "b": [1] } }"#, "start_values.b: [1] is not a value"),

@@ -65,7 +65,7 @@ fn press(view: &mut View<f64>, ends: &Ends, place: Place) -> Result<Option<f64>,
 fn pressed(view: &mut View<f64>, locks: &[bool]) -> Result<Option<Place>, OutputError> {
     let state = view.state;
     let ends = state.ends(view.reduced, locks);
-    for (place, _) in state.travel.places().filter(|(place, _)| ends.locked.waiting.contains(*place)) {
+    for (place, _) in state.travel.places().filter(|(place, _)| ends.locked.waiting().contains(*place)) {
         if press(view, &ends, place)?.is_some_and(|excess| excess > 0.0) {
             return Ok(Some(place));
         }

@@ -52,7 +52,7 @@ where
             }
             self.dynamics.mode.touching = self.contact.touching();
             self.progress.is_settled = true;
-            if self.ends.locked.waiting.bumpers != BumperSet::EMPTY {
+            if self.ends.locked.waiting_bumpers != BumperSet::EMPTY {
                 self.engage_pressed(z);
             }
         }

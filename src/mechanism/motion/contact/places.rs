@@ -28,10 +28,12 @@ pub struct Places {
 pub struct EngagedLocks {
     /// Whether one is engaged at the rigid stop of each side.
     pub rigid: [bool; 2],
+    /// Whether one engages at the rigid stop of each side as soon as the stop pushes harder than the lock asks.
+    pub waiting_rigid: [bool; 2],
     /// Bumpers where one is engaged.
     pub bumpers: BumperSet,
-    /// Places where one engages as soon as the stop pushes harder than the lock asks.
-    pub waiting: Places,
+    /// Bumpers where one engages as soon as the bumper pushes harder than the lock asks.
+    pub waiting_bumpers: BumperSet,
 }
 
 impl Place {
@@ -95,7 +97,9 @@ impl EngagedLocks {
     pub fn with(mut self, place: Place, engaged: bool) -> Self {
         match engaged {
             true => Places { rigid: self.rigid, bumpers: self.bumpers } = self.engaged().with(place),
-            false => self.waiting = self.waiting.with(place),
+            false => {
+                Places { rigid: self.waiting_rigid, bumpers: self.waiting_bumpers } = self.waiting().with(place);
+            }
         }
         self
     }
@@ -104,8 +108,8 @@ impl EngagedLocks {
     #[must_use]
     pub fn engaging(mut self, place: Place) -> Self {
         match place.bumper {
-            None => self.waiting.rigid[place.side] = false,
-            Some(bumper) => self.waiting.bumpers = self.waiting.bumpers.without(bumper),
+            None => self.waiting_rigid[place.side] = false,
+            Some(bumper) => self.waiting_bumpers = self.waiting_bumpers.without(bumper),
         }
         self.with(place, true)
     }
@@ -115,10 +119,16 @@ impl EngagedLocks {
         Places { rigid: self.rigid, bumpers: self.bumpers }
     }
 
+    /// Places where a lock waits for the force of the stop.
+    pub fn waiting(&self) -> Places {
+        Places { rigid: self.waiting_rigid, bumpers: self.waiting_bumpers }
+    }
+
     /// The places, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.rigid.iter_mut().try_for_each(|locked| record.flag("lock engaged", locked))?;
         self.bumpers.record(record)?;
-        self.waiting.record(record)
+        self.waiting_rigid.iter_mut().try_for_each(|waits| record.flag("lock that waits", waits))?;
+        self.waiting_bumpers.record(record)
     }
 }

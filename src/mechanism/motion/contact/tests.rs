@@ -13,7 +13,8 @@ fn travel() -> Travel {
 const NONE: EngagedLocks = EngagedLocks {
     rigid: [false; 2],
     bumpers: BumperSet::EMPTY,
-    waiting: Places { rigid: [false; 2], bumpers: BumperSet::EMPTY },
+    waiting_rigid: [false; 2],
+    waiting_bumpers: BumperSet::EMPTY,
 };
 
 fn ends(travel: &Travel, locked: EngagedLocks) -> Ends<'_> {

@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn wrong_entries_are_errors_with_their_key() {
         for (rest, said) in [
-            (r#""search": { "evaluations": 9 }"#, "objective: is missing"),
+            (r#""search": { "evaluations": 9 }"#, "objective: this key is missing"),
             (r#""objective": {}"#, "exactly one of"),
             (
                 r#""objective": { "minimise": "q" }"#,
@@ -164,7 +164,10 @@ mod tests {
                 r#""objective": { "minimise": "r" }, "constraints": { "t": { "at_most": 1 } }"#,
                 "constraints.t: there is no response",
             ),
-            (r#""objective": { "minimise": "r" }, "constraints": { "s": {} }"#, "constraints.s: has no limit"),
+            (
+                r#""objective": { "minimise": "r" }, "constraints": { "s": {} }"#,
+                "constraints.s: the constraint has no limit",
+            ),
             (
                 r#""objective": { "minimise": "r" }, "constraints": { "s": { "at_least": 2, "at_most": 1 } }"#,
                 "no value can satisfy both",
