@@ -347,11 +347,11 @@ fn a_text_that_is_no_state_is_rejected_and_changes_nothing() {
         (sealed(changed(28, &[bytes[28] ^ 1])), "mechanism.json"),
         (sealed(changed(36, &[5])), "the number 5 for the status"),
         (sealed(changed(36, &[32])), "the number 32 for the status"),
-        (sealed(changed(48, &f64::NAN.to_le_bytes())), "time = NaN"),
+        (sealed(changed(48, &f64::NAN.to_le_bytes())), "'time' is NaN"),
         (replaced(&bytes, 0.1755, -0.1755), "crank.length = -0.1755: must be"),
         (replaced(&bytes, 0.1755, f64::NAN), "crank.length = NaN: must be"),
         (replaced(&bytes, 0.1755, 10.0), "fmi2DeSerializeFMUstate"),
-        (replaced(&bytes, 12_345.678, f64::INFINITY), "input = inf"),
+        (replaced(&bytes, 12_345.678, f64::INFINITY), "'input' is inf"),
     ] {
         let message = refused(&bytes);
         assert!(message.starts_with("fmi2DeSerializeFMUstate: ") && message.contains(expected), "{message}");

@@ -84,7 +84,7 @@ fn a_mechanism_with_hydraulics_is_rejected_with_the_remedy() {
     let resources = format!("file://{HYDRAULIC}/resources");
     let library = Library::open(library_file().as_os_str(), described.interface().guid(), &resources).unwrap();
     let refused = library.instantiate("gear", Some(logger())).unwrap_err();
-    assert!(refused.contains("without hydraulics") && refused.contains("cargo fmu package"), "{refused}");
+    assert!(refused.contains("without the keys `hydraulics`") && refused.contains("cargo fmu package"), "{refused}");
 }
 
 #[test]

@@ -223,11 +223,11 @@ fn a_latch_engages_at_an_event() {
     };
     let fmu = started(&text);
     assert!(!engaged(&fmu));
-    let events = integrate(&fmu, 0.65, 1e-3);
-    // An undamped bumper lets go at the very place where the latch catches.
-    let end = 0.5 + PI / omega;
-    let expected = [0.5, 0.5 + (60.0 / (0.8 * f64::sqrt(4000.0 * 3.0))).asin() / omega, end, end];
-    assert_eq!(events.len(), 4, "{events:?}");
+    let mut events = integrate(&fmu, 0.65, 1e-3);
+    // An undamped bumper lets go at the very place where the latch catches: several events at one instant.
+    events.dedup_by(|later, event| *later - *event < 1e-9);
+    let expected = [0.5, 0.5 + (60.0 / (0.8 * f64::sqrt(4000.0 * 3.0))).asin() / omega, 0.5 + PI / omega];
+    assert_eq!(events.len(), 3, "{events:?}");
     events.iter().zip(expected).for_each(|(event, expected)| assert!((event - expected).abs() < 1e-7, "{events:?}"));
     assert!(engaged(&fmu));
     let [x, v] = fmu.get(["slide.position", "slide.speed"]);
