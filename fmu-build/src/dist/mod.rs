@@ -126,7 +126,7 @@ fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) ->
     python.arg(workspace.wheel().join("pack.py")).arg(archive).stdin(Stdio::piped());
     let mut child = python.spawn().with_context(|| command::cannot_start(&python, "pack.py"))?;
     let lines: String = entries.iter().map(|(path, name)| format!("{}\t{name}\n", path.display())).collect();
-    child.stdin.take().context("pack.py takes no list")?.write_all(lines.as_bytes())?;
+    child.stdin.take().context("pack.py has no standard input for the list of files")?.write_all(lines.as_bytes())?;
     ensure!(
         child.wait()?.success(),
         "{}: the wheel cannot be packed; the messages above state the reason",

@@ -354,8 +354,8 @@ impl Coupling {
             (Some(_), Some(_)) => {
                 return refused(
                     at("second"),
-                    "the follower already slides in a joint: remove the key `second`, or remove the key `joint` for \
-                     a follower that turns",
+                    "a follower has either the key `joint`, if it slides, or the key `second`, if it turns; remove one \
+                     of the two keys",
                 );
             }
             (None, None) => {

@@ -29,7 +29,7 @@ keys! {
         contents: Option<SharedContents> => Key::PLAIN.required();
     }
 
-    /// The object `contents` is the content of the file of shared parameters.
+    /// The object `contents` has the same keys as the file of shared parameters.
     pub struct SharedContents {
         /// Path of the JSON schema. A text editor uses the JSON schema to complete and check the keys. The FMU does not
         /// use the key `$schema`.

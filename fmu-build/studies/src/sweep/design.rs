@@ -221,7 +221,7 @@ fn factor(
     let mut factor = variable(key, name, model)?;
     let real = |what: &str| match factor.kind {
         Kind::Real => Ok(()),
-        _ => bail!("{key}.{what}: {name} is not a number; list its values"),
+        _ => bail!("{key}.{what}: {name} is not a number, so it has no range; state its values in a list"),
     };
     let ends = |what: &str, [first, last]: [f64; 2]| {
         if !(last - first).is_finite() {
