@@ -96,7 +96,10 @@ pub fn filled(pages: &BTreeMap<String, String>) -> Result<BTreeMap<String, Strin
         let mut page = parts.next().unwrap_or_default().to_owned();
         for part in parts {
             let (name, rest) = part.split_once(" -->").unwrap_or((part, ""));
-            let rest = rest.split_once(END).ok_or_else(|| format!("{path}: the keys of {name} have no end"))?.1;
+            let rest = rest
+                .split_once(END)
+                .ok_or_else(|| format!("{path}: the list of the keys of {name} has no end mark"))?
+                .1;
             let keys = sections.get(name).map_or("", String::as_str);
             let _ = write!(page, "{START}{name} -->\n{keys}{END}{rest}");
         }

@@ -432,7 +432,8 @@ pub struct Report {
 /// Arguments of `bench`.
 #[derive(Args)]
 pub struct Bench {
-    /// Name of the benchmark, followed by its options. The end of this help lists the benchmarks [default: run times]
+    /// Name of the benchmark, followed by its options. The end of this help lists the benchmarks [default: the
+    /// benchmark of the run times]
     #[arg(value_name = "ARGS", trailing_var_arg = true, allow_hyphen_values = true)]
     pub rest: Vec<OsString>,
 }

@@ -131,9 +131,9 @@ impl Naming {
 /// Arguments of `dist`.
 #[derive(Args, Default)]
 pub struct Dist {
-    /// Platforms for which the installed program can pack FMUs, separated by commas. The option does not change where
-    /// the program itself runs: on the platform of this machine. With --platforms, the program file is smaller, and the build needs some minutes more
-    /// [default: this machine]
+    /// Platforms for which the installed program can pack FMUs, separated by commas. The installed program itself runs
+    /// only on the platform of this machine. With --platforms, the program file is smaller, and the build needs some
+    /// minutes more [default: this machine]
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PLATFORMS")]
     pub platforms: Vec<Platform>,
     /// Build only the libraries that this machine can build, and list the missing platforms [default: a missing

@@ -69,8 +69,8 @@ pub(super) fn add_reactions(b: &mut Builder) {
                 .concat();
         let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
         let reaction = |part| Output::Reaction { joint, part };
-        add("force_x", "x component of the force", Newton, reaction(ReactionPart::X));
-        add("force_y", "y component of the force", Newton, reaction(ReactionPart::Y));
+        add("force_x", "x component (in the mechanism frame) of the force", Newton, reaction(ReactionPart::X));
+        add("force_y", "y component (in the mechanism frame) of the force", Newton, reaction(ReactionPart::Y));
         add("force", "Magnitude of the force", Newton, reaction(ReactionPart::Magnitude));
         if !j.freedom.turns() {
             add(

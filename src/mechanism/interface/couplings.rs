@@ -21,8 +21,8 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
         let output = Output::Reaction { joint, part };
         b.output(n, suffix, &[text, &between], Newton, output, needs);
     };
-    add("force_x", "x component of the force", ReactionPart::X);
-    add("force_y", "y component of the force", ReactionPart::Y);
+    add("force_x", "x component (in the mechanism frame) of the force", ReactionPart::X);
+    add("force_y", "y component (in the mechanism frame) of the force", ReactionPart::Y);
     add("force", "Magnitude of the force", ReactionPart::Magnitude);
     let friction_joints = s.loading.friction.as_ref().map_or(&[][..], |friction| &friction.friction_joints);
     if !is_cam {

@@ -64,7 +64,7 @@ pub fn of_urdf(name: &str, text: &str) -> Result<Space> {
 /// # Errors
 /// As for a text.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
-    ensure!(root.tag == "robot", "{}: URDF starts with <robot>", root.at());
+    ensure!(root.tag == "robot", "{}: the first element of a URDF file must be <robot>", root.at());
     if let Some(macro_) = xacro(root) {
         bail!(
             "{}: this is a file of xacro, not yet URDF: write the URDF with `xacro FILE > robot.urdf` (`pip install \

@@ -248,7 +248,7 @@ fn urdf() {
     let macros = "<robot xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:arm/></robot>";
     assert_says(&refusal(Form::Urdf, macros), &["line 1: <xacro:arm>", "xacro FILE > robot.urdf"]);
     assert_says(&refusal(Form::Urdf, &URDF.replace("revolute", "floating")), &["floating", "swing"]);
-    assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["URDF starts with <robot>"]);
+    assert_says(&refusal(Form::Urdf, "<mujoco/>"), &["the first element of a URDF file must be <robot>"]);
     let negative = URDF.replacen("<mass value=\"", "<mass value=\"-", 1);
     assert_ne!(negative, URDF);
     assert_says(&refusal(Form::Urdf, &negative), &["<mass>", "must not be negative"]);
