@@ -21,8 +21,8 @@ pub struct Package {
     /// Folder for the FMUs [default: target/fmu in the repository]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
-    /// Library for another platform, such as win64=path/to.dll. A library that was built on another machine must come from
-    /// this version of the program. Give --binary once for each library
+    /// Library for another platform, such as win64=path/to.dll. A library that was built on another machine must come
+    /// from this version of the program. Give --binary once for each library
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Version of FMI: 2 writes <Name>.fmu, 3 writes <Name>.fmi3.fmu, and both writes both files
@@ -140,8 +140,8 @@ pub struct Dist {
     /// platform is an error]
     #[arg(long, requires = "platforms")]
     pub available: bool,
-    /// Library for another platform, such as win64=path/to.dll. A library that was built on another machine must come from
-    /// this version of the program. Give --binary once for each library
+    /// Library for another platform, such as win64=path/to.dll. A library that was built on another machine must come
+    /// from this version of the program. Give --binary once for each library
     #[arg(long = "binary", value_name = "PLATFORM=PATH", value_parser = library)]
     pub binaries: Vec<Library>,
     /// Oldest version of glibc (the C library of Linux) with which the program and the libraries for Linux must run,
