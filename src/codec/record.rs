@@ -346,7 +346,7 @@ mod tests {
         });
         assert!(Record::Read(&bytes).finite("speed", &mut 0.0).unwrap_err().0.contains("'speed' is NaN"));
         assert!(Record::Read(&bytes[16..]).positive("h", &mut 0.0).unwrap_err().0.contains("'h' is -1"));
-        assert!(Record::Read(&[2]).flag("on", &mut false).unwrap_err().0.contains("on = 2"));
+        assert!(Record::Read(&[2]).flag("on", &mut false).unwrap_err().0.contains("'on' is 2"));
         assert!(Record::Read(&[255; 8]).place("stop", &mut 0, 3).unwrap_err().0.contains("below 3"));
         assert!(Record::Read(&[255; 8]).length("stops", 3).is_err());
     }
