@@ -381,6 +381,8 @@ impl Model {
             }
             Transition::Engage(place) => {
                 state.contact.engages(place);
+                // The places of locks are found anew with the next step.
+                state.applied.version = 0;
                 if let Some(reduced) = &self.reduced {
                     let (travel, locked) = (Arc::clone(&state.travel), state.ends(reduced, &self.inputs.locks).locked);
                     state.contact.locks_set(&Ends::new(&travel, 0.0, locked));
