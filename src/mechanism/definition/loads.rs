@@ -60,8 +60,8 @@ keys! {
         /// screw locks itself, so that no load on the nut turns the screw.
         backward_efficiency: Option<f64> => number(One, Range::Unit)
             .parameter(Role::Load, "Efficiency of @ for the power flow from the mechanism to the drive");
-        /// true: the drive has outputs for each moving body ([CK16] conclusion 3). These are the share of the body in the
-        /// reduced mass and in the static load of the drive, and the ratios between the speeds of drive and body.
+        /// true: the drive has outputs for each moving body ([CK16] conclusion 3). These are the share of the body in
+        /// the reduced mass and in the static load of the drive, and the ratios between the speeds of drive and body.
         by_body: bool => Key::PLAIN.brief();
         /// Force-speed curve: additional drive force as a function of the speed of the drive [m/s or rad/s, N or N.m].
         /// The input `<name>.command` is a factor of the force of the curve `points`. The list `points` contains pairs
