@@ -54,7 +54,7 @@ where
     }
 
     /// Time at which a step is to end that has gone far beyond a knot or a point of a curve [s]: none of its stages may
-    /// lie where the force differs, so that neither the step nor its error estimate tells anything of it.
+    /// lie where the force differs, so that neither the step nor its error estimate shows the difference.
     #[inline(always)]
     pub(super) fn too_far(&self, step: &Step<N>, found: &Found<N>) -> Option<f64> {
         let is_knot = match found.event {
