@@ -71,7 +71,7 @@ pub fn toggles() -> Vec<Scene> {
         let refused = Expected::refusal(&["crank.start_angle", "1.32"]);
         scenes.push(scene(GROUP, format!("1e-8 rad beyond the {side} toggle"), beyond(1e-8), (0.2, 200), refused));
         let fast = beyond(0.0).with("crank.start_speed", 1.0);
-        let refused = Expected::refusal(&["crank.start_speed = 1", "toggle"]);
+        let refused = Expected::refusal(&["crank.start_speed = 1", "dead centre"]);
         scenes.push(scene(GROUP, format!("a crank speed stated at the {side} toggle"), fast, (0.2, 200), refused));
     }
     // The jib of the crane, |E - B| = 11.5 + 3: -2.5 cos + 5 sin = (16^2 + 31.25 - 14.5^2) / 32.
