@@ -54,7 +54,7 @@ pub fn huge() -> Vec<Scene> {
         {
             add(format!("{} = 1e9, {span:.1e} s in {}", m.input, super::count(steps)), 1e9, span, steps, expected);
         }
-        add(format!("{} = 1e308", m.input), 1e308, 1e-3, 1, Expected::refusal(&["inputs", "sizes"]));
+        add(format!("{} = 1e308", m.input), 1e308, 1e-3, 1, Expected::refusal(&["check the values", "inputs"]));
     }
     let held = Expected::closed("crank.angle", -1.3, 1e-13, 0.0, "caught by the upstop: table");
     let plan = Plan::steady(2e-3, 200);
