@@ -72,7 +72,7 @@ impl Asked {
     fn line(&self) -> String {
         let Self { what, unit, measured, limit, at_least } = self;
         let (side, verdict) =
-            (if *at_least { "at least" } else { "at most" }, if self.holds() { "holds" } else { "**misses**" });
+            (if *at_least { "at least" } else { "at most" }, if self.holds() { "reached" } else { "**missed**" });
         format!("| {what} | {side} {limit}{unit} | {}{unit} | {verdict} |\n", digits(*measured))
     }
 }
@@ -88,7 +88,7 @@ pub fn digits(value: f64) -> String {
 
 /// The table of limits and measured values.
 pub fn asked(figures: &[Asked]) -> String {
-    let head = String::from("| figure | asked | measured | |\n|---|---|---|---|\n");
+    let head = String::from("| quantity | goal | measured | result |\n|---|---|---|---|\n");
     head + &figures.iter().map(Asked::line).collect::<String>() + "\n"
 }
 

@@ -20,7 +20,7 @@ pub fn run(results: &Path, groups: &[&str]) -> Result<(), String> {
     let count = |verdict| outcomes.iter().filter(|o| o.verdict == verdict).count();
     let [holds, refused, fails] = [Verdict::Holds, Verdict::Refused, Verdict::Fails].map(count);
     let summary = format!(
-        "**{} rows: {holds} hold, {refused} refused as expected, {fails} fail.** {seconds:.0} s on {THREADS} threads \
+        "**{} rows: {holds} hold, {refused} rejected as expected, {fails} fail.** {seconds:.0} s on {THREADS} threads \
          of {}.",
         outcomes.len(),
         processor().unwrap_or_else(|| "an unknown processor".into())

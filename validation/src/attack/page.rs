@@ -24,8 +24,7 @@ pub fn page(asked: &Asked, outcomes: &[Outcome]) -> String {
     let values: [(&str, &dyn Display); 5] =
         [("only", &only), ("time", &time), ("threads", &asked.threads), ("seed", &asked.seed), ("longest", &LONGEST)];
     let mut page = measure::page("attack", &values);
-    page +=
-        &measure::heading(&["part", "what is asked for", "cases", "fail", "longest call [s]", "in", "its seed", "[s]"]);
+    page += &measure::heading(&["part", "claim", "cases", "fail", "longest call [s]", "in", "its seed", "[s]"]);
     for Outcome { part, tally, seconds } in outcomes {
         let longest = &tally.longest;
         let _ = writeln!(

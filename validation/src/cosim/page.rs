@@ -203,7 +203,7 @@ fn goals(found: &HashMap<(&str, &'static str), Row>) -> String {
             " uJ",
         ),
     ];
-    String::from("## Figures asked\n\n") + &asked(&figures)
+    String::from("## Goals\n\n") + &asked(&figures)
 }
 
 /// Preview with an inexact element model: errors relative to its own result in the finest steps.

@@ -44,7 +44,7 @@ impl Verdict {
     pub fn word(self) -> &'static str {
         match self {
             Self::Holds => "holds",
-            Self::Refused => "refused as expected",
+            Self::Refused => "rejected as expected",
             Self::Fails => "FAILS",
         }
     }
