@@ -11,9 +11,10 @@ from conftest import REPOSITORY
 DOCS = REPOSITORY / "docs"
 PAGES = [
     *(REPOSITORY / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md", "CHANGELOG.md", "ARCHITECTURE.md")),
+    *(REPOSITORY / "validation" / name for name in ("README.md", "src/pages.md", "src/stress_report.md")),
     *sorted(DOCS.rglob("*.md")),
 ]
-"""The pages of docs/ and the pages that people read first."""
+"""The pages of docs/, the pages that people read first, and the texts of the pages of measurements."""
 LONGEST = 35
 """Largest number of words of a sentence."""
 AVERAGE = 17
@@ -89,7 +90,7 @@ def words(sentence: str) -> int:
 
 def name(page: Path) -> str:
     """Name of a page in the names of tests."""
-    return page.relative_to(DOCS).as_posix() if page.is_relative_to(DOCS) else page.name
+    return page.relative_to(DOCS if page.is_relative_to(DOCS) else REPOSITORY).as_posix()
 
 
 @pytest.mark.parametrize("page", PAGES, ids=name)
