@@ -18,48 +18,51 @@ PACKAGES = ("scipy", "numba", "numpy", "heyoka", "exudyn", "mujoco")
 CRATES = ("linkage-fmu", "differential-equations", "diffsol")
 
 LIMIT = """\
-What any program could do for one run from rest without friction, drag and switches: the time to an angle is the
-integral of d(theta) / omega, and omega follows from the energy, in closed form, without derivatives. The error is that
-of the time to the angle at 0.13 s, times the speed there. Gauss's rule; its nodes are set-up; the work at the start
-counts as one evaluation. It answers the easier question: when an angle is reached, not which angle at a time; and one
-run leaves no motion to read. The toggle at -1.326 rad, behind the end, limits the rule's convergence: the second
-substitution removes it too, for which somebody must know this mechanism.
+This section states the limit for any program, for one run from rest without friction, drag and switches. The time to an
+angle is the integral of d(theta) / omega. The energy gives omega in closed form, without derivatives. The error is that
+of the time to the angle at 0.13 s, times the speed there.
+
+The quadrature uses Gauss's rule, and its nodes belong to the set-up. The work at the start counts as one evaluation.
+The quadrature gives the time of an angle, which is easier than the angle at a time, and it gives no motion between
+them. The toggle at -1.326 rad, beyond the end, limits the convergence of the rule. The second substitution also removes
+this toggle, but somebody must know the mechanism to find the substitution.
 """
 
 REACTION = """\
-A joint's force is read from a table that is built when one is first read; it is no part of the set-up or of the run
-above. Models made anew, the least time of each: the run, the force in joint1 where the first run ends, those in the
-three other joints there, and all four where a later run ends.
+A joint force is read from a table that is computed at the first reading. The table is not part of the set-up or of the
+run above. The models are new, and the shortest time of each part counts. The first part is the run. Then follow the
+force in joint1 at the end of the run, and the forces in the other three joints. The last part is the reading of all
+four forces at the end of a later run.
 """
 
 NOTES = """\
-- **linkage-fmu, tables** is the engine as it comes: one step over the whole span, stops and locks in place. A run is
-  the return to the start, the step, and the reading of the angle. Its set-up is the reading of the file, the tracing of
-  the curve and the tables that the first step needs; whoever runs once pays that (see "Set-up").
+- **linkage-fmu, tables** is the engine with its default settings: one step over the whole span, with stops and locks. A
+  run is the return to the start, the step, and the reading of the angle. The set-up reads the file and computes the
+  curve and the tables that the first step needs. A single run includes this set-up (see "Set-up").
 - **exact evaluator** solves the loops in every evaluation instead of reading a table. **rigid_fem** is the second
-  formulation; its own limit differs by the stretch of the rods.
-- **differential-equations, diffsol, SciPy** get the equation of motion in the crank angle written out by hand in closed
-  form (`src/four_bar.rs`, `four_bar.py`): one sine and cosine, two square roots, no iteration. Somebody has to derive
-  that for each mechanism, and it gives no reactions. Both `atol = rtol` and `atol = rtol / 100` were swept; the better
-  one counts. SciPy's set-up with numba is the compilation. The methods choose their first step themselves, diffsol
-  with 1 ms as a hint; dop853 of differential-equations evaluates the stages of its interpolant in
-  every step, used or not.
-- **by hand** is the classical Runge-Kutta method with equal steps on the same closed form, some ten lines of Rust
-  (`src/rk4.rs`): no estimate, no dense output; the number of steps that suffices has to be known.
+  formulation. Its limit differs by the stretch of the rods.
+- **differential-equations, diffsol, SciPy** get the equation of motion in the crank angle in closed form
+  (`src/four_bar.rs`, `four_bar.py`): one sine and cosine, two square roots, no iteration. Somebody must derive this
+  equation for each mechanism, and it gives no reactions. The better one of `atol = rtol` and `atol = rtol / 100`
+  counts. The set-up of SciPy with numba is the compilation. The methods choose their first step themselves, diffsol
+  with 1 ms as a hint. dop853 of differential-equations evaluates the stages of its interpolant in every step, even if
+  nothing uses it.
+- **by hand** is the classical Runge-Kutta method with equal steps on the same closed form, in ten lines of Rust
+  (`src/rk4.rs`). It has no error estimate and no dense output, so somebody must know the necessary number of steps.
 - **GSL, CVODE** are compiled C (`native/`, `cc -O3`) on the same closed form, with the tolerances of the crates. A run
-  of GSL begins with 1 ms as a hint, one of CVODE with its own choice; solver and memory are made in the set-up and used
-  again. CVODE takes its Jacobian by differences.
-- **heyoka** makes Taylor series of the equation of motion, whose expression it compiles for each tolerance: its set-up.
-  The call from Python is part of a run. The runs of a batch go side by side in one vector of the processor, and the
-  time is divided by their number: how many runs get done, not how soon one is.
-- **EXUDYN** has rigid bodies in the plane and revolute joints. Its explicit integrators take no joints, so a closed
-  loop is left to the implicit ones, of second order. Up to 2000 steps four settings of Newton's iterations were swept,
-  exact and modified, to 1e-6, 1e-9 and 1e-12; above only exact ones to 1e-12.
-- **MuJoCo** has a tree of hinges; its loops are closed by `connect`, whose time constant was swept as a multiple of the
-  step, with `solimp` at its limit 0.9999 and Newton's solver at 1e-15. The constraint is soft: its violation, not the
-  integrator, sets the error of RK4, which therefore falls with h^2 only.
-- EXUDYN and MuJoCo take any mechanism, in space too, and their joints' reactions come with every step; they solve in
-  each step what this project works out before the first.
+  of GSL starts with 1 ms as a hint, a run of CVODE with its own choice. Solver and memory belong to the set-up and are
+  used again. CVODE computes its Jacobian by differences.
+- **heyoka** computes Taylor series of the equation of motion. Its set-up compiles the expression for each tolerance.
+  The call from Python is part of a run. The runs of a batch use one vector of the processor, and the time is divided by
+  their number. This time states how many runs are made, not how long one run takes.
+- **EXUDYN** has rigid bodies in the plane and revolute joints. Its explicit integrators do not support joints, so a
+  closed loop needs the implicit integrators of second order. Up to 2000 steps, four settings of Newton's iterations
+  were tried, exact and modified, to 1e-6, 1e-9 and 1e-12. Above 2000 steps, only exact iterations to 1e-12 were tried.
+- **MuJoCo** has a tree of hinges, and `connect` closes the loops. The time constant of `connect` was varied as a
+  multiple of the step, with `solimp` at its limit 0.9999 and Newton's solver at 1e-15. The constraint is soft. Its
+  violation determines the error of RK4, which therefore decreases only with h^2.
+- EXUDYN and MuJoCo support any mechanism, also in space, and give the joint reactions in every step. They solve in each
+  step the equations that linkage-fmu solves before the first step.
 """
 
 
@@ -190,18 +193,19 @@ def page(points: list[Point], libraries: list[str], left_out: list[str]) -> str:
     gear, squeezer = curves(points, "S1"), curves(points, "Andrews")
     return "\n".join(
         [
-            "# Beside other tools",
+            "# Comparison with other tools",
             "",
             "`cargo fmu bench peers` writes this file, [peers.csv](peers.csv) with every setting, and",
             "[the figure](../figures/peers.png).",
             "",
             f"Machine: {machine()}. {versions(libraries)}.",
             "",
-            "Scene S1: the landing gear, 30 kN, load factor 3, no friction, no drag, from rest, 0.13 s. Error: of the",
-            "crank angle at the end, against a 34-digit energy quadrature. Time: the fastest of several runs in one",
-            "thread, all in the same call; what comes once before the first run is the set-up. One value at the end,",
-            "nothing in between, unless the name says so. Tools with Python: runs over 1 ms by the processor's clock.",
-            "The angle turns by 2.04 rad and ends at -1.24 rad: errors relative to it are a fifth less.",
+            "Scene S1: the landing gear, 30 kN, load factor 3, no friction, no drag, from rest, 0.13 s. The error is",
+            "that of the crank angle at the end, compared with an energy quadrature with 34 digits. The time is the",
+            "fastest of several runs in one thread, all in the same call. The set-up is the work that is done once",
+            "before the first run. A run gives one value at the end and nothing in between, unless the name states",
+            "otherwise. For tools with Python, runs above 1 ms are timed by the clock of the processor. The angle",
+            "changes by 2.04 rad and ends at -1.24 rad. Errors relative to the final angle are a fifth smaller.",
             *(["", *left_out] if left_out else []),
             "",
             "![Work against error](../figures/peers.png)",
@@ -231,12 +235,12 @@ def page(points: list[Point], libraries: list[str], left_out: list[str]) -> str:
             *by_method(squeezer),
             "",
             "## Set-up",
-            "Scene S1. How many runs it takes until this project, set-up included, is ahead of the fastest method of",
-            "each tool with its own set-up; 0 means at once.",
+            "Scene S1. The table states after how many runs linkage-fmu with its set-up is faster than the fastest",
+            "method of each tool with its set-up. 0 means from the first run on.",
             "",
             *break_even(gear),
             "",
-            "## What each one was given",
+            "## Settings of each tool",
             NOTES,
         ]
     )
