@@ -223,18 +223,23 @@ def error(host: str, fmus: Path, step: int, work: Path) -> float:
 
 
 HEAD = """## Gear and hydraulic actuator, coupled
-LandingGearRetraction.fmu and HydraulicActuator.fmu, each at its default tolerance, with the command as the parameters
-`command.*`. Largest error of `crank.angle` [rad] over 4 s against an independent integration of both as one system.
-With preview the gear's motion, reduced mass and load go to the actuator and `preview.force_mean` goes to the gear; the
-plain exchange is that of `actuator.force` and motion alone. `delayed`: with `coupling.mode` = `delayed` instead of its
-default `preview`; libcosim and ECOS do not take Enumerations of FMI 2.0, so that there it is an actuator packed with
-`"coupling": { "mode": "delayed" }`. Lost: an error above 0.1 rad, or a refused step.
+LandingGearRetraction.fmu and HydraulicActuator.fmu run at their default tolerances. The parameters `command.*` state
+the valve command. The table states the largest error of `crank.angle` [rad] over 4 s, compared with an independent
+integration of both as one system.
+
+- Preview (default): the actuator gets the motion, reduced mass and load of the gear. The gear gets
+  `preview.force_mean`.
+- Plain exchange: the models exchange only `actuator.force` and the motion.
+- `delayed`: `coupling.mode` is `delayed` instead of `preview`. libcosim and ECOS do not support Enumerations of
+  FMI 2.0, so their actuator is packed with `"coupling": { "mode": "delayed" }`.
+- Lost: the error is above 0.1 rad, or a step returns an error.
 """.splitlines()
 TAIL = """
-In each step the loop in Python reads the gear's outputs before those of the actuator. libcosim and ECOS read all
-outputs after a step and pass them on before the next: the force is foreseen from the element of the step before, one
-step late. In the mode `preview` that costs nothing at 1 ms, and beyond 8 ms the coupling is lost; the mode `delayed` is
-made for these hosts and errs as little as `preview` does in a host that reads the gear's outputs first.
+In each step, the loop in Python reads the outputs of the gear before those of the actuator. libcosim and ECOS read all
+outputs after a step, and pass them to the inputs before the next step. The force is then predicted from the element of
+the step before, one step late. In the mode `preview`, this has no effect at 1 ms, and the coupling is lost above 8 ms.
+The mode `delayed` is for these hosts. It is as accurate as `preview` in a host that first reads the outputs of
+the gear.
 """.splitlines()
 """Text before and after the table in the report."""
 

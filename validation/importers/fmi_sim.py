@@ -115,11 +115,11 @@ def section(fmu: Path, angle: float) -> tuple[list[str], bool]:
     ratio = off[0] / off[1] / (EULER[0] / EULER[1])
     holds = event <= ALLOWED_EVENT and abs(ratio - 1.0) <= ALLOWED_RATIO and math.isfinite(ratio)
     lines = [
-        f"- event mode with early return: the up stop is met at {before['time']:.16f} s, {event:.0e} s off the"
-        f" quadrature (at most {ALLOWED_EVENT:.0e} s",
-        f"  is allowed); the speed is {before['crank.speed']:.6f} rad/s before it, 0 after;",
-        f"- model exchange by its only solver, Euler's method: {off[0]:.3e} rad off at 0.13 s with steps of"
-        f" {EULER[0]:g} s,",
-        f"  {off[1]:.3e} rad with {EULER[1]:g} s: the first order of that method.",
+        f"- Event mode with early return: the gear reaches the up stop at {before['time']:.16f} s, {event:.0e} s"
+        f" from the quadrature (at most {ALLOWED_EVENT:.0e} s",
+        f"  is allowed). The speed is {before['crank.speed']:.6f} rad/s before the impact, and 0 after it.",
+        f"- Model exchange by its only solver, Euler's method of first order: the error at 0.13 s is {off[0]:.3e}"
+        f" rad with steps of {EULER[0]:g} s,",
+        f"  and {off[1]:.3e} rad with steps of {EULER[1]:g} s.",
     ]
     return lines, holds

@@ -37,15 +37,15 @@ REFERENCE_ANGLE = -1.2377117266891367
 S1_ERROR = 1e-11
 """Allowed error of the angle at 0.13 s with all defaults, with FMI 3.0 [rad]."""
 
-NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5, a source archive; `pip download` and
-  `pip install` end in its setup.py (`No module named 'numpy'`, and with numpy at hand and no build isolation `Please
-  upgrade to a newer Cython version`). Later releases are not on it.
-- **OMSimulator**, not by this command: `pip install` of 3.0.0.post198 fetches the program itself from the project's
-  own server while it builds, and fails where that server is out of reach. The example of the README was run by hand
-  with its Python package at v3.0.0-167 over its library at v3.0.0-114, both from its sources: `crank.angle` at 0.13 s
-  is -1.2377117266795328 rad, 9.6e-12 rad off the quadrature, and without `relativeTolerance` 1.1e-6 rad off. Model
-  exchange by FMI 2.0 does not work in that state of it: its fmi4c takes the 12 attributes `derivative` for the number
-  of states, not the two elements of `ModelStructure/Derivatives`, and asks for 12."""
+NOT_RUN = """- **PyFMI**: the newest release on the Python package index is 2.5, a source archive. `pip download` and
+  `pip install` fail in its setup.py with `No module named 'numpy'`. With numpy and without build isolation, the
+  message is `Please upgrade to a newer Cython version`. The index contains no later release.
+- **OMSimulator**: `pip install` of 3.0.0.post198 downloads the program from the server of OMSimulator during the build.
+  The installation fails if the machine cannot reach this server. The example of the README was run manually, with the
+  Python package v3.0.0-167 and the library v3.0.0-114, both built from source. The error of `crank.angle` at 0.13 s
+  (-1.2377117266795328 rad) is 9.6e-12 rad, and 1.1e-6 rad without `relativeTolerance`. Model exchange by FMI 2.0 does
+  not work in this version: its fmi4c counts the 12 attributes `derivative` as states, and requests 12 states. The FMU
+  has two elements in `ModelStructure/Derivatives`."""
 
 
 def worker(name: str, case: str, fmu: Path, out: Path) -> None:
@@ -98,11 +98,11 @@ def fmi_sim_section(fmu: Path) -> tuple[list[str], bool]:
     lines, holds = fmi_sim.section(third(fmu), REFERENCE_ANGLE)
     head = [
         "## fmi-sim by FMI 3.0",
-        f"fmi-sim {fmi_sim.version()} refuses the FMU of FMI 3.0 as it is packed: `{fmi_sim.refusal(third(fmu))}`.",
+        f"fmi-sim {fmi_sim.version()} rejects the packed FMU of FMI 3.0: `{fmi_sim.refusal(third(fmu))}`.",
         "Its parser, the crate fmi-schema, does not know `unit`, `displayUnit` and `nominal` of Float64 variables,",
-        "which the standard has (FMI 3.0.2, 2.4.7), and it reads each vector as one value, which the FMU refuses. It",
-        "gets a copy whose description leaves out these attributes and the vectors; the library is the same. The FMU",
-        "of FMI 2.0 it takes as it is.",
+        "which are in the standard (FMI 3.0.2, 2.4.7). It also reads each vector as one value, which the FMU rejects.",
+        "For this test, the description of a copy has neither these attributes nor vectors. The library is the same.",
+        "fmi-sim accepts the FMU of FMI 2.0 without a change.",
         "",
     ]
     return [*head, *lines, ""], holds
@@ -129,7 +129,7 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
             error = f"{missed:.1e}" if case == "defaults" else ""
             agrees = len(rows) == STEPS and all(map(math.isfinite, itertools.chain(*rows))) and max(off) <= bound
             good &= agrees
-            shown = ["the same bits" if rows == reference else f"{max(off):.0e}"] if name != "fmpy" else ["reference"]
+            shown = ["identical" if rows == reference else f"{max(off):.0e}"] if name != "fmpy" else ["reference"]
             comparison.append(
                 [details.title if name == "fmpy" else "", importer.title, f"{rows[-1][0]:.15f}", *shown, error]
             )
@@ -162,7 +162,7 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
             ask("defaults", lambda t: t.argument(step, "noSetFMUStatePriorToCurrentPoint")),
         ),
         ("after the last step", ask("defaults", Trace.ending)),
-        ("calls refused, all cases", lambda name: str(sum(len(traces[name, case].refused()) for case in CASES))),
+        ("rejected calls, all cases", lambda name: str(sum(len(traces[name, case].refused()) for case in CASES))),
     ]
     pair, holds = coupled.table(fmu.parent, work)
     good &= holds
@@ -177,13 +177,13 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
         "",
         "## Trajectories",
         f"Largest difference from FMPy over all steps of {', '.join(f'`{name}`' for name in OUTPUTS)}, each as",
-        f"a part of its largest value; at most {bound:.0e} is allowed, 100 times the tolerance. The error is that",
-        f"of the last angle against a 34-digit quadrature, by FMI 3.0 at most {S1_ERROR:.0e} rad.",
+        f"a part of its largest value. At most {bound:.0e} is allowed, 100 times the tolerance. The error is that",
+        f"of the last angle, compared with a quadrature with 34 digits. With FMI 3.0, at most {S1_ERROR:.0e} rad.",
         "",
         *table(["case", "importer", "`crank.angle` at 0.13 s [rad]", "difference", "error [rad]"], comparison),
         "",
-        "## What each one calls",
-        "Written down by a library between the importer and the FMU's, `spy.c`; it changes no bit.",
+        "## Calls of each importer",
+        "The library `spy.c` between importer and FMU records the calls. It changes no result.",
         "",
         *table(
             ["", *(importer.title for importer in IMPORTERS.values())],
@@ -198,7 +198,7 @@ def report(fmu: Path, host: Path | None, work: Path) -> tuple[str, bool]:
         "",
         *(
             [
-                "## Another exporter's FMU in this project's host",
+                "## FMU of another exporter in the host of linkage-fmu",
                 "The host of `cargo fmu bench cosim` couples a mass with an oil spring, `oil_spring.py`, exported by",
                 f"pythonfmu {importlib.metadata.version('pythonfmu')}: {foreign(host, work)}.",
                 "",

@@ -243,8 +243,8 @@ def main() -> None:
         f"Python {platform.python_version()}, "
         + ", ".join(f"{name} {version(name)}" for name in ("numpy", "FMPy", "mujoco", "exudyn"))
         + ".\n",
-        "The landing gear, by the module, by FMPy with the FMU unpacked and its description read, and by MuJoCo and "
-        "EXUDYN without its stop. Least times of one process.\n",
+        "The landing gear runs in the module, in FMPy with the unpacked FMU and its description, and in MuJoCo and "
+        "EXUDYN without its stop. Each time is the shortest of one process.\n",
         f"| what | by the module [us] | at most [us] | {' | '.join(f'by {name} [us]' for name in others)} |",
         "|---|---|---|---|---|---|",
     ]
@@ -253,9 +253,9 @@ def main() -> None:
         lines.append(f"| {what} | {own[key]:.3g} | {limit:g} | {' | '.join(cells)} |")
     lines += [
         "",
-        "A step of the module and of FMPy is 1e-9 s long, so that the calls are measured and not the motion. The "
-        "steps of MuJoCo and EXUDYN are 1 ms long, as their time does not depend on the length of a step. A step of "
-        "EXUDYN is a call of its solver with one step.\n",
+        "A step of the module and of FMPy is 1e-9 s long, so the table states the time of the calls, not of the "
+        "motion. The steps of MuJoCo and EXUDYN are 1 ms long, because their time does not depend on the length of "
+        "a step. A step of EXUDYN is a call of its solver with one step.\n",
         f"Error of the crank angle after 0.13 s: module {own['error']:.1e} rad, MuJoCo (RK4) "
         f"{others['MuJoCo']['error']:.1e} rad, EXUDYN (trapezoidal rule, index 2) {others['EXUDYN']['error']:.1e} rad.",
     ]

@@ -344,26 +344,27 @@ def page(rows: list[tuple[Way, float, float]], further: list[tuple[str, str, str
 
 Machine: {processor()}, {os.cpu_count()} cores, {platform.system()}. {versions}, Python {platform.python_version()}.
 
-{reduced}A run: the time at which the landing gear meets its up-stop, for a force of the actuator and a load
-factor, nothing else. Runs by steps also have a factor of one value that sizes no load, for which the energy
-integral does not serve.
-CPU time of all processes, of the number of runs in the table less that of few, by their difference: start,
-packing and set-up do not count. Ways that take long are measured on fewer runs, and the last column is computed
-from the time of one.
+{reduced}A run computes only the time at which the landing gear reaches its up stop, for an actuator force and a load
+factor. Runs by integration steps also have a factor with one value that does not change a load. With this factor,
+the energy integral cannot be used.
+
+The table states the CPU time of all processes. The time of few runs is subtracted from the time of the runs in the
+table, so start, packing and set-up do not count. Slow ways are measured with fewer runs. The last column is computed
+from the time of one run.
 
 | way | runs measured | CPU time of a run | to the first | 1e6 runs, CPU time |
 |---|---|---|---|---|
 {table}
 
-CPU times are the least of three measurements for `sweep`, of one for the others. Asked were 4 us natively and 15 us
-through Dask and the FMU.
+The CPU time of `sweep` is the smallest of three measurements. The other ways are measured once. The goals are 4 us for
+`sweep`, and 15 us through Dask and the FMU.
 
-MuJoCo has neither the stop nor the load factor here: its runs are 0.13 s under 27 to 30 kN, with an error of the crank
-angle as [peers](peers.md) has it for as many steps.
+MuJoCo has neither the stop nor the load factor here. Its runs last 0.13 s, with actuator forces of 27 to 30 kN. The
+page [peers](peers.md) states the error of the crank angle for as many steps.
 
-## What else was asked
+## Other goals
 
-| | asked | measured |
+| quantity | goal | measured |
 |---|---|---|
 {more}
 """
