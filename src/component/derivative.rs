@@ -112,16 +112,18 @@ impl Component {
         for _ in 0..TRIALS {
             let mut at = |distance: f64| self.initial_values(unknowns, knowns, seeds, &from, distance);
             let derivative = match (at(h), at(-h)) {
-                (Ok(high), Ok(low)) => extrapolated([&high, &low], [&at(h / 2.0)?, &at(-h / 2.0)?], h),
-                (Ok(_), Err(_)) => one_sided(&mut at, h)?,
-                (Err(_), Ok(_)) => one_sided(&mut at, -h)?,
-                (Err(_), Err(_)) => {
-                    h /= 4.0;
-                    continue;
+                (Ok(high), Ok(low)) => {
+                    at(h / 2.0).and_then(|upper| Ok(extrapolated([&high, &low], [&upper, &at(-h / 2.0)?], h)))
                 }
+                (Ok(_), Err(_)) => one_sided(&mut at, h),
+                (Err(_), Ok(_)) => one_sided(&mut at, -h),
+                (Err(refused), Err(_)) => Err(refused),
             };
-            derivative.into_iter().enumerate().for_each(|(index, value)| report(index, value));
-            return Ok(());
+            if let Ok(derivative) = derivative {
+                derivative.into_iter().enumerate().for_each(|(index, value)| report(index, value));
+                return Ok(());
+            }
+            h /= 4.0;
         }
         let names: Vec<_> = knowns.iter().filter_map(|known| self.interface().get(*known)).map(|v| &*v.name).collect();
         Err(Refused(format!(

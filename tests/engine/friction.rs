@@ -88,6 +88,23 @@ fn creeping_in_the_ramp_is_stiff_and_is_integrated_implicitly() {
     assert!(statistics.evaluations < 20_000, "{statistics:?}");
 }
 
+/// The gear creeps to rest within 1000 s, at a hundredth less than the holding force. Near rest the motion in a step is
+/// smaller than its rounding, which must not shorten the steps (34 steps; 40 000 when each step was searched).
+#[test]
+fn creeping_to_rest_needs_few_steps() {
+    let start = gear(&[
+        ("friction.static_speed", 1e-4),
+        ("friction.static_coefficient", 1.0),
+        ("crank.start_angle", 0.0),
+        ("solver.tolerance", 1e-6),
+    ]);
+    let hold = start.clone().get("actuator.holding_force");
+    let mut gear = start.with(&[("actuator.force", 0.99 * hold)]).started();
+    gear.step(1000.0);
+    let statistics = gear.statistics();
+    assert!(statistics.accepted < 100, "{statistics:?}");
+}
+
 /// A rod between a light slider with friction and a heavy slider on a vertical guide without friction. Where the heavy
 /// slider falls, friction can reduce most of the reaction that causes it. With N = N_0 + k |N|, k < -1, the reaction is
 /// still N_0 / (1 - k).

@@ -80,30 +80,43 @@ impl EquationOfMotion<'_> {
 /// sigma at an end of a step with its position in the table, and time, sigma_dot and sigma_ddot there.
 type SlipEnd = ((f64, TablePosition), [f64; 3]);
 
-/// Both ends of a step, as far as they bound the slip speeds of the friction joints within it.
-pub(super) struct SlipBounds {
-    h: f64,
-    /// Position, time, sigma_dot and sigma_ddot at the start and at the end; none where the step has no rates.
-    ends: Option<[SlipEnd; 2]>,
+/// What bounds the slip speeds of the friction joints within a step.
+pub(super) enum SlipBounds {
+    /// Both ends of a step of this size [s] with their rates.
+    Cubic(f64, [SlipEnd; 2]),
+    /// Bounds of time, sigma and sigma_dot in a step without rates, of Radau.
+    Ranges([Enclosure; 3]),
 }
 
 impl SlipBounds {
     pub fn new<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> Self {
         let end = |t: f64, y: &[f64; N], f: &[f64; N]| (dynamics.slip_position(y[0]), [t, y[1], f[1]]);
-        let ends =
-            |[first, last]: [&[f64; N]; 2]| [end(step.t, &step.start, first), end(step.t + step.h, &step.end, last)];
-        Self { h: step.h, ends: step.rates().map(ends) }
+        if let Some([first, last]) = step.rates() {
+            return Self::Cubic(step.h, [end(step.t, &step.start, first), end(step.t + step.h, &step.end, last)]);
+        }
+        let range = |value: Interval| Enclosure { value, slope: Interval::point(0.0) };
+        let component = |n: usize| {
+            let (ends, bulge) = (Interval::of([step.start[n], step.end[n]]), step.bulge(n));
+            range(Interval { low: ends.low - bulge, high: ends.high + bulge })
+        };
+        Self::Ranges([range(Interval { low: step.t, high: step.t + step.h }), component(0), component(1)])
     }
 
     /// Whether the slip speed of a friction joint may leave the range of its regime within the step. Bounds are the
     /// Bezier points of Hermite's cubic for the slip speed, which enclose the cubic, widened by half of their distance
-    /// from a straight line.
+    /// from a straight line; without rates the bounds of the slip speed for all states of the step.
     pub fn may_leave(&self, dynamics: &EquationOfMotion<'_>, joint: usize) -> bool {
         const MARGIN: f64 = 0.5;
-        let Some(ends) = self.ends else { return true };
         let (low, high) = dynamics.slip_range(joint);
+        let (h, ends) = match self {
+            Self::Cubic(h, ends) => (h, *ends),
+            Self::Ranges(ranges) => {
+                let slip = dynamics.slip_bounds(joint, *ranges).value;
+                return !(slip.low >= low && slip.high <= high);
+            }
+        };
         let [[a, rate_a], [b, rate_b]] = ends.map(|end| dynamics.slip_rate(joint, end));
-        let third = self.h / 3.0;
+        let third = h / 3.0;
         let (second, third) = (a + third * rate_a, b - third * rate_b);
         let third_of = (b - a) / 3.0;
         let margin = MARGIN * (second - (a + third_of)).abs().max((third - (b - third_of)).abs());
