@@ -149,7 +149,7 @@ fn module(workspace: &Workspace) -> Result<()> {
 
 /// Draw the figures from the committed results.
 fn plots(workspace: &Workspace) -> Result<()> {
-    let mut script = Command::new(command::python(workspace)?);
+    let mut script = Command::new(command::Python::Fmpy.interpreter(workspace)?);
     script.args(["-m", "bench_figures"]).arg(workspace.results()).arg(workspace.validation().join("figures"));
     command::run(script.current_dir(workspace.validation()), "bench_figures")
 }

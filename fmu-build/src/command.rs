@@ -1,4 +1,4 @@
-//! Child processes that write directly to the terminal, and the Python environment of the tests.
+//! Child processes that write directly to the terminal, and the Python environments of the tests.
 
 use crate::workspace::Workspace;
 use anyhow::Result;
@@ -14,12 +14,39 @@ pub fn cargo(workspace: &Workspace) -> Command {
     command
 }
 
-/// Interpreter of the environment of the tests and the report.
-///
-/// # Errors
-/// As for [`environment`].
-pub fn python(workspace: &Workspace) -> Result<PathBuf> {
-    environment(&workspace.target("venv"), &workspace.python_tests().join("requirements.txt"))
+/// A Python environment of the tests.
+#[derive(Clone, Copy)]
+pub enum Python {
+    /// FMUs and pages, also of the report and of benchmarks.
+    Fmpy,
+    /// Documentation site.
+    Docs,
+    /// Build of wheels.
+    Wheel,
+    /// Python module.
+    Module,
+    /// Pages in a browser.
+    Browser,
+}
+
+impl Python {
+    /// All environments.
+    pub const ALL: [Self; 5] = [Self::Fmpy, Self::Docs, Self::Wheel, Self::Module, Self::Browser];
+
+    /// Interpreter of the environment, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// As for [`environment`].
+    pub fn interpreter(self, workspace: &Workspace) -> Result<PathBuf> {
+        let (name, folder) = match self {
+            Self::Fmpy => ("venv", workspace.python_tests()),
+            Self::Docs => ("venv-docs", workspace.root().join("docs")),
+            Self::Wheel => ("venv-wheel", workspace.wheel()),
+            Self::Module => ("venv-module", workspace.module_tests()),
+            Self::Browser => ("venv-browser", workspace.browser_tests()),
+        };
+        environment(&workspace.target(name), &folder.join("requirements.txt"))
+    }
 }
 
 /// Build another program of the workspace, with the name of its package.

@@ -15,7 +15,7 @@ const NOTICE: &str = "NO_MKDOCS_2_WARNING";
 /// The environment cannot be created; a page has a broken link or is not in the navigation; no browser opens the site.
 pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let root = workspace.root();
-    let python = command::environment(&workspace.target("venv-docs"), &root.join("docs").join("requirements.txt"))?;
+    let python = command::Python::Docs.interpreter(workspace)?;
     let site = workspace.target("docs");
     let mut mkdocs = Command::new(python);
     mkdocs.args(["-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir"]).arg(&site);

@@ -58,7 +58,7 @@ pub fn report(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let motion = workspace.target("view").join(DEFAULT_FMU).with_extension("html");
     let gear = workspace.descriptions().join(DEFAULT_FMU);
     view::run(workspace, &view::Arguments { path: gear, out: Some(motion.clone()), ..Default::default() })?;
-    let mut report = Command::new(command::python(workspace)?);
+    let mut report = Command::new(command::Python::Fmpy.interpreter(workspace)?);
     report.args(["-m", "report"]).arg(workspace.fmu_folder()).arg("--motion").arg(motion).arg("--out").arg(out);
     report.current_dir(workspace.validation());
     command::run(&mut report, "report")

@@ -3,13 +3,16 @@
 mod platforms;
 mod reproducible;
 
+use crate::command::Python;
 use crate::workspace::Workspace;
 use crate::{command, dist, docs, files, package};
 use anyhow::{Context, Result};
 use fmu_cli::Program;
 pub use fmu_cli::Test as Arguments;
+use std::panic::resume_unwind;
 use std::path::Path;
 use std::process::Command;
+use std::thread;
 use std::time::Instant;
 
 /// Environment variable with the folder of the FMUs, for the Python tests and the browser tests.
@@ -39,18 +42,24 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     if arguments.reproducible {
         return stage("the library from two folders", || reproducible::run(workspace));
     }
-    stage("Rust tests", || {
-        // The dev profile is optimised too, and its build is faster than a release build.
-        let mut cargo = command::cargo(workspace);
-        if std::env::var_os(SEED).is_none() {
-            // The random cases are equal in every run. `cargo fmu bench attack` uses new ones.
-            cargo.env(SEED, "1");
-        }
-        command::run(cargo.args(["test", "--workspace"]), "cargo test")
+    // Packages are downloaded while Cargo builds.
+    thread::scope(|scope| {
+        let environments =
+            scope.spawn(|| Python::ALL.iter().try_for_each(|environment| environment.interpreter(workspace).map(drop)));
+        stage("Rust tests", || {
+            // The dev profile is optimised too, and its build is faster than a release build.
+            let mut cargo = command::cargo(workspace);
+            if std::env::var_os(SEED).is_none() {
+                // The random cases are equal in every run. `cargo fmu bench attack` uses new ones.
+                cargo.env(SEED, "1");
+            }
+            command::run(cargo.args(["test", "--workspace"]), "cargo test")
+        })?;
+        stage("Python environments", || environments.join().unwrap_or_else(|panic| resume_unwind(panic)))
     })?;
     stage("packaging", || package::run(workspace, &package::Arguments { all: true, ..Default::default() }).map(drop))?;
     let studies = stage("program of the studies", || command::built(workspace, Program::Studies.name()))?;
-    let python = stage("Python environment", || command::python(workspace))?;
+    let python = Python::Fmpy.interpreter(workspace)?;
     stage("Python style", || style(workspace, &python))?;
     stage("FMPy tests", || {
         let mut pytest = Command::new(&python);
@@ -65,13 +74,10 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     })?;
     stage("documentation site", || docs::run(workspace, &docs::Arguments { open: false }))?;
     stage("wheel", || dist::run(workspace, &dist::Arguments { test: true, ..Default::default() }))?;
-    let folder = workspace.browser_tests();
-    let python = stage("Python environment of the browser tests", || {
-        command::environment(&workspace.target("venv-browser"), &folder.join("requirements.txt"))
-    })?;
+    let python = Python::Browser.interpreter(workspace)?;
     stage("browser tests", || {
         let mut pytest = Command::new(&python);
-        pytest.args(["-m", "pytest", "-q"]).args(SHARED).arg(&folder);
+        pytest.args(["-m", "pytest", "-q"]).args(SHARED).arg(workspace.browser_tests());
         pytest.env(VIEW, &studies).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
         command::run(&mut pytest, "pytest")
     })?;

@@ -114,15 +114,10 @@ fn lay_out(workspace: &Workspace, stage: &Path, binaries: &[Binary]) -> Result<(
     Ok(())
 }
 
-/// Interpreter of the environment in which wheels are built.
-fn python(workspace: &Workspace) -> Result<PathBuf> {
-    command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))
-}
-
 /// Pack files with these names into an archive.
 fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) -> Result<()> {
     fs::create_dir_all(archive.parent().unwrap_or(archive))?;
-    let mut python = Command::new(python(workspace)?);
+    let mut python = Command::new(command::Python::Wheel.interpreter(workspace)?);
     python.arg(workspace.wheel().join("pack.py")).arg(archive).stdin(Stdio::piped());
     let mut child = python.spawn().with_context(|| command::cannot_start(&python, "pack.py"))?;
     let lines: String = entries.iter().map(|(path, name)| format!("{}\t{name}\n", path.display())).collect();
@@ -138,7 +133,7 @@ fn pack(workspace: &Workspace, archive: &Path, entries: &[(PathBuf, String)]) ->
 /// Build the program and pack the wheel. Returns its path.
 fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<PathBuf> {
     let out = stage.join("out");
-    let mut maturin = Command::new(python(workspace)?);
+    let mut maturin = Command::new(command::Python::Wheel.interpreter(workspace)?);
     // A wheel for named platforms is for publication, so it is small. Other wheels are built fast.
     let (profile, level) = if arguments.platforms.is_empty() { ("release", "6") } else { ("small", "9") };
     maturin.args(["-m", "maturin", "build", "--profile", profile, "--locked", "--compression-level", level, "--out"]);

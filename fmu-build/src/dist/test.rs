@@ -51,7 +51,7 @@ impl Installed {
             fs::create_dir_all(made).with_context(|| format!("{}: cannot be created", made.display()))?;
         }
         let environment = folder.join("environment");
-        let tools = command::environment(&workspace.target("venv-wheel"), &workspace.wheel().join("requirements.txt"))?;
+        let tools = command::Python::Wheel.interpreter(workspace)?;
         command::run(Command::new(&tools).args(["-m", "venv", "--without-pip"]).arg(&environment), "python -m venv")?;
         let (scripts, suffix) = if cfg!(windows) { ("Scripts", ".exe") } else { ("bin", "") };
         let scripts = environment.join(scripts);
@@ -148,7 +148,7 @@ pub fn run(workspace: &Workspace, packing: &package::Arguments, wheel: &Path) ->
 /// Test the Python module in an environment with the packages of its tests.
 fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<()> {
     let tests = workspace.module_tests();
-    let python = command::environment(&workspace.target("venv-module"), &tests.join("requirements.txt"))?;
+    let python = command::Python::Module.interpreter(workspace)?;
     super::install(&python, wheel)?;
     let mut pytest = Command::new(&python);
     pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c"]).arg(tests.join("pyproject.toml")).arg(&tests);
