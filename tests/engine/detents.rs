@@ -1,7 +1,7 @@
 //! Locks that release at a force: closed forms of the instant, of the motion after it and of the limit, saved states,
 //! refusals.
-use crate::support::definition::{G, With, arm, block, weight};
-use crate::support::{Run, assert_says, refusal};
+use crate::support::definition::{G, With, arm, block, friction, weight};
+use crate::support::{Run, assert_near, assert_says, refusal};
 use serde_json::{Value, json};
 
 const MASS: f64 = 3.0;
@@ -41,6 +41,35 @@ fn a_detent_releases_at_its_force() {
             run.near("detent.force", if late > 0.0 { 0.0 } else { rate * after }, 1e-11);
             assert_eq!(run.is("end.reached"), late == 0.0);
         }
+    }
+}
+
+/// Static friction carries a part of the pull, in steps of any size, and under a pull that does not change in the step.
+#[test]
+fn static_friction_helps_a_detent() {
+    let rough = detent(json!({
+        "gravity": weight(), "friction": friction([0.4, 0.2], [0.0; 2]).with(json!({ "law": "stick" })),
+    }));
+    let (high, low) = (0.4 * MASS * G, 0.2 * MASS * G);
+    let after = |count: u32| {
+        let mut run = Run::new(&rough).started();
+        let h = 1.0 / f64::from(count);
+        for k in 0..count {
+            run.set("pull.force_x", 25.0 * h * f64::from(k));
+            run.set_derivative("pull.force_x", 1, 25.0);
+            run.step(h);
+        }
+        run.get("slide.position")
+    };
+    let late = 1.0 - (FORCE + high) / 25.0;
+    let expected = (0.5 * (FORCE + high - low) + 25.0 / 6.0 * late) * late * late / MASS;
+    for count in [1, 7, 40] {
+        assert_near(after(count), expected, 1e-9, "position");
+    }
+    for (pull, holds) in [(FORCE + high - 0.01, true), (FORCE + high + 0.01, false)] {
+        let mut run = Run::new(&rough).with(&[("pull.force_x", pull)]).started();
+        run.step(0.1);
+        assert_eq!(run.get("slide.speed") == 0.0, holds, "{pull}");
     }
 }
 

@@ -1,6 +1,6 @@
 //! Locks that engage by the force of their stop: closed forms of the instant and of the motion after it, saved states,
 //! rejected definitions.
-use crate::support::definition::{With, arm, block};
+use crate::support::definition::{G, With, arm, block, friction, weight};
 use crate::support::{Run, assert_near, assert_says, refusal};
 use serde_json::{Value, json};
 
@@ -148,6 +148,135 @@ fn a_latch_at_a_bumper_engages_within_the_contact() {
     assert_eq!(run.get("slide.speed"), 0.0);
 }
 
+/// A latch at a bumper whose input becomes true while the mechanism rests at a rigid stop behind the bumper.
+#[test]
+fn a_latch_at_a_bumper_engages_at_rest_at_another_stop() {
+    let mut run = Run::new(latch(json!({
+        "stops": {
+            "end": { "rigid": false, "stiffness": 4e3 },
+            "back": { "joint": "slide", "limit": "lower", "position": -0.01, "restitution": 0 },
+        },
+        "locks": { "latch": { "engage": false } },
+    })))
+    .with(&[("pull.force_x", -100.0)])
+    .started();
+    run.step(1.0);
+    run.near("slide.position", -0.01, 1e-15);
+    run.near("end.force", 40.0, 1e-9);
+    run.set("latch.engage", true);
+    run.step(0.1);
+    assert!(run.is("latch.engaged"));
+    run.set("pull.force_x", 50.0);
+    run.step(1.0);
+    run.near("slide.position", 0.0, 1e-15);
+    assert_eq!(run.get("slide.speed"), 0.0);
+}
+
+/// The input releases a latch under a prescribed motion too.
+#[test]
+fn the_input_releases_a_latch_under_a_prescribed_motion() {
+    let mut run = Run::new(latch(json!({
+        "actuators": { "ram": { "joint": "slide", "motion": { "position": 0 } } },
+    })));
+    run.set("ram.motion.enabled", false);
+    run.set("pull.force_x", -20.0);
+    let mut run = run.started();
+    run.step(0.1);
+    assert!(run.is("latch.engaged"));
+    run.set("latch.engage", false);
+    run.set("ram.motion.enabled", true);
+    run.set_all(&[("ram.motion.position", 0.0), ("ram.motion.speed", 1.0)]);
+    run.step(0.1);
+    run.near("slide.position", 0.1, 1e-12);
+    run.set("latch.engage", true);
+    run.step(0.1);
+    assert!(!run.is("latch.engaged"));
+}
+
+/// The friction of a belt presses the block against the stop, with belt speed and load as parabolas in time: the largest
+/// force within a step decides, though the friction is no polynomial of degree 4 in time.
+#[test]
+fn a_latch_engages_by_the_friction_of_a_belt() {
+    let parabola = |[a, b, c]: [f64; 3], t: f64| a + t * (b + 0.5 * t * c);
+    for (speed, load) in [
+        ([0.996614, -3.545362, 7.606388], [3.705009, 7.327718, -32.195845]),
+        ([1.278725, -3.452358, 6.830212], [4.75986, -3.788115, -39.321068]),
+    ] {
+        let press = |t: f64| {
+            let s = (parabola(speed, t) - 0.1).min(1.0);
+            (0.6 - 0.5 * s * s * (3.0 - 2.0 * s)) * (MASS * G - parabola(load, t))
+        };
+        let most = (0..=2000).map(|k| press(f64::from(k) / 2000.0)).fold(0.0, f64::max);
+        for (part, engages) in [(0.999, true), (1.001, false)] {
+            let mut run = Run::new(latch(json!({
+                "gravity": weight(), "friction": friction([0.6, 0.1], [0.1, 1.1]),
+                "joints": { "slide": { "surface_speed": -speed[0] } },
+                "locks": { "latch": { "engage_force": part * most } },
+            })))
+            .with(&[("pull.force_y", load[0])])
+            .started();
+            for order in [1, 2] {
+                run.set_derivative("slide.surface_speed", order, -speed[order as usize]);
+                run.set_derivative("pull.force_y", order, load[order as usize]);
+            }
+            run.step(1.0);
+            assert_eq!(run.is("latch.engaged"), engages, "{speed:?} {part}");
+        }
+    }
+}
+
+/// A belt presses the block against the stop. The friction vanishes for a moment within a step, as the load lifts the
+/// block, so that a small pull takes the block off the stop.
+#[test]
+fn a_block_leaves_a_stop_where_the_friction_of_its_belt_vanishes() {
+    let weight_of_block = MASS * G;
+    let lift = weight_of_block / 0.4;
+    let after = |count: u32| {
+        let belt = json!({
+            "gravity": weight(), "friction": friction([0.3, 0.2], [1.0, 2.0]),
+            "joints": { "slide": { "surface_speed": -0.5 } },
+        });
+        let mut run = Run::new(latch(belt)).with(&[("pull.force_x", 0.3)]).started();
+        let h = 0.45 / f64::from(count);
+        for k in 0..count {
+            run.set("pull.force_y", lift * h * f64::from(k));
+            run.set_derivative("pull.force_y", 1, lift);
+            run.step(h);
+        }
+        run.get("slide.position")
+    };
+    let many = after(450);
+    assert!(many > 1e-5, "{many}");
+    for count in [1, 7, 45] {
+        assert_near(after(count), many, 1e-9, "position");
+    }
+}
+
+/// A drive with losses holds a block on a belt, until the belt is so slow that its friction overcomes the drive.
+#[test]
+fn a_belt_that_slows_down_overcomes_a_drive_with_losses() {
+    let after = |count: u32| {
+        let belt = json!({
+            "gravity": weight(), "friction": friction([0.4, 0.2], [0.1, 0.6]),
+            "joints": { "slide": { "surface_speed": 1.5 } },
+            "actuators": { "ram": { "joint": "slide", "force": -7, "efficiency": 0.8 } },
+        });
+        let mut run = Run::new(block(MASS).with(belt).with(json!({ "solver": { "tolerance": 1e-12 } }))).started();
+        let h = 1.0 / f64::from(count);
+        for k in 0..count {
+            run.set("slide.surface_speed", 1.5 - 1.4 * h * f64::from(k));
+            run.set_derivative("slide.surface_speed", 1, -1.4);
+            run.step(h);
+        }
+        run.get("slide.position")
+    };
+    let many = after(500);
+    assert!(many > 1e-3, "{many}");
+    for count in [1, 7] {
+        assert_near(after(count), many, 1e-8, "position");
+    }
+}
+
 /// At the stop of an angle the force is a torque, of a deg file too.
 #[test]
 fn a_latch_at_an_angle_engages_at_a_torque() {
@@ -175,6 +304,11 @@ fn a_latch_with_a_release_force_or_another_lock_is_rejected() {
     assert_says(refusal(detent), &["locks.latch.engage_force", "remove engage_force or release_force"]);
     let two = latch(json!({ "locks": { "other": { "stop": "end", "at": "block.origin" } } }));
     assert_says(refusal(two), &["locks.latch.engage_force", "another lock"]);
+    let beside = latch(json!({
+        "stops": { "wall": { "joint": "slide", "limit": "lower", "position": 0 } },
+        "locks": { "other": { "stop": "wall", "at": "block.origin" } },
+    }));
+    assert_says(refusal(beside), &["locks.latch.engage_force", "another lock"]);
     let none = latch(json!({ "locks": { "latch": { "engage_force": 0 } } }));
     assert_says(refusal(none), &["locks.latch.engage_force", "> 0"]);
 }

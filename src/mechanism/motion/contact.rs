@@ -318,13 +318,19 @@ impl Contact {
     /// Locks are engaged or not at each place: where the mechanism rests, an engaged lock latches.
     #[inline]
     pub fn locks_set(&mut self, ends: &Ends) {
-        if self.engaged != Places::default() {
-            let Places { rigid, bumpers } = ends.locked.engaged();
-            self.engaged.rigid = [0, 1].map(|side| self.engaged.rigid[side] && rigid[side]);
-            self.engaged.bumpers = self.engaged.bumpers.intersection(bumpers);
-        }
+        self.forget_released(ends.locked);
         if let Some(rest) = &mut self.rest {
             rest.latched = ends.is_fast(rest.place);
+        }
+    }
+
+    /// Locks that had engaged by the force of their stops, and that are no longer engaged, are to wait again.
+    #[inline]
+    pub fn forget_released(&mut self, locked: EngagedLocks) {
+        if self.engaged != Places::default() {
+            let Places { rigid, bumpers } = locked.engaged();
+            self.engaged.rigid = [0, 1].map(|side| self.engaged.rigid[side] && rigid[side]);
+            self.engaged.bumpers = self.engaged.bumpers.intersection(bumpers);
         }
     }
 

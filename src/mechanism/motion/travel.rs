@@ -72,14 +72,18 @@ pub fn travel(reduced: &Reduced, sigma: f64, revolutions: f64) -> Result<Travel,
 /// State the forces at which locks release and engage.
 ///
 /// # Errors
-/// The stop of a lock with a release force is a bumper, or another lock is at the place of a lock with such a force.
+/// The stop of a lock with a release force is a bumper, or another lock is at the place of a lock with one of these
+/// forces.
 pub fn set_forces_of_locks(travel: &mut Travel, reduced: &Reduced) -> Result<(), ModelError> {
     travel.grips = grips(travel, reduced)?;
     travel.engages = [None; 2];
     travel.bumpers.iter_mut().for_each(|bumper| bumper.engages = None);
     let locks = &reduced.loading().locks;
     for lock in locks.iter().filter(|lock| lock.engage.is_some()) {
-        if locks.iter().filter(|other| other.stop == lock.stop).count() > 1 {
+        let is_shared = |place: &Place| travel.holds(*place, lock.stop);
+        let shared: Vec<Place> = [0, 1].map(Place::rigid).into_iter().filter(is_shared).collect();
+        let meets = |stop: usize| stop == lock.stop || shared.iter().any(|place| travel.holds(*place, stop));
+        if locks.iter().filter(|other| meets(other.stop)).count() > 1 {
             let message = "another lock is at the same stop: combine the two locks, or remove this key";
             return Err(DefinitionError::key(format_args!("locks.{}.engage_force", lock.name), message).into());
         }

@@ -180,10 +180,18 @@ where
     }
 
     /// Locks that wait at bumpers engage which push harder than the locks ask from the start, as by their dampers.
-    #[cold]
+    #[inline(always)]
     pub(super) fn engage_pressed(&mut self, z: &[f64; N]) {
-        let touching = self.contact.touching();
-        for bumper in (0..self.ends.bumpers()).filter(|bumper| touching.contains(*bumper)) {
+        let pressed = self.contact.touching().intersection(self.ends.locked.waiting_bumpers);
+        if pressed != BumperSet::EMPTY {
+            self.engage_those(pressed, z);
+        }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn engage_those(&mut self, pressed: BumperSet, z: &[f64; N]) {
+        for bumper in (0..self.ends.bumpers()).filter(|bumper| pressed.contains(*bumper)) {
             let place = Place::of_bumper(0, bumper);
             let (_, push) = self.dynamics.bumper_push(bumper, z[0], z[1]);
             if push > self.ends.engages_at(place) {

@@ -19,7 +19,7 @@ use std::mem::take;
 
 impl EquationOfMotion<'_> {
     /// Inputs whose signs decide a law at rest: values and two time derivatives at the start of the span. Between the
-    /// zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most.
+    /// zeros of these, an acceleration at rest is a polynomial of degree 4 in time at most, without friction.
     fn switching_inputs(&self) -> impl Iterator<Item = [f64; 3]> {
         let drives = &self.reduced.loading().drives;
         self.applied.change.iter().flat_map(move |change| {
@@ -117,6 +117,8 @@ where
     /// Held at rest by drives with an efficiency or by friction, until the loads overcome them in one direction.
     #[inline(always)]
     pub(super) fn wait_at_rest(&mut self, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
+        // The speed of a driven surface may pass the borders of its regime.
+        self.dynamics.clear_regimes();
         if !self.wait_until(z, span, [[1.0, 0.0], [-1.0, 0.0]])? {
             return Ok(Instant::Held);
         }
@@ -134,15 +136,15 @@ where
     /// time, or would do so by more than a generalised force, the second number; false if it does not before the end of
     /// the span.
     ///
-    /// At rest without friction that sticks the acceleration is a parabola in time for either direction of the drives,
-    /// or a quartic in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is
-    /// searched piece by piece, and none is too short to be found. Static friction follows the magnitudes of reactions:
-    /// with it the quartic is that through five values of each of some pieces, and what it finds is located on the
-    /// acceleration itself.
+    /// At rest without friction the acceleration is a parabola in time for either direction of the drives, or a quartic
+    /// in air of changing speed, as long as no drive's force and no airspeed changes its sign. So it is searched piece
+    /// by piece, and none is too short to be found. Friction at rest, static or on a driven surface, follows the
+    /// magnitudes of reactions: with it the quartic is that through five values of each of some pieces, and what it
+    /// finds is located on the acceleration itself.
     #[inline(never)]
     fn wait_until(&mut self, z: &mut [f64; N], span: f64, ways: [[f64; 2]; 2]) -> Result<bool, Stopped> {
         const CLOSE: f64 = 1e-15;
-        /// Least number of pieces of a span with friction that sticks.
+        /// Least number of pieces of a span with friction at rest.
         const PIECES: f64 = 8.0;
         let sigma = z[0];
         let ways = if ways[1][1].is_finite() { &ways[..] } else { &ways[..1] };
@@ -153,7 +155,8 @@ where
             return Ok(false);
         }
         let from = self.progress.t;
-        let longest = if self.dynamics.sticks() { (span - from) / PIECES } else { f64::INFINITY };
+        let rubs = self.dynamics.sticks() || self.dynamics.state_loads.is_some_and(|own| own.surfaces > 0);
+        let longest = if rubs { (span - from) / PIECES } else { f64::INFINITY };
         let mut a = from;
         while a < span {
             let b = self.next_switch(a, span).min(a + longest);
@@ -340,7 +343,10 @@ where
     /// Whether the loads press a mechanism at rest at a place against a rigid stop, or a lock there holds it.
     #[inline(always)]
     fn is_held(&mut self, place: Place, sigma: f64) -> Result<bool, Locked> {
-        Ok(place.bumper.is_none() && self.ends.is_held(place, self.dynamics.free_acceleration(sigma, 0.0)?))
+        let inward = -place.outward();
+        self.dynamics.clear_regimes();
+        // As in `wait_until`: friction that sticks is static.
+        Ok(place.bumper.is_none() && self.dynamics.setting_off(sigma, inward)? * inward <= self.ends.grip(place))
     }
 }
 

@@ -3,7 +3,6 @@
 //! In: a state, an event. Out: the state, the contact and the mode that follow. It must not know how a step is made.
 use super::{Advance, Stopped};
 use crate::integrator::System;
-use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::events::Event;
@@ -33,6 +32,7 @@ where
             && let Some(place) = self.contact.at_rest()
         {
             self.dynamics.mode.touching = self.contact.touching();
+            self.engage_pressed(z);
             return self.rest(place, z, span);
         }
         if let Some(side) = self.pushed_end(z) {
@@ -52,9 +52,7 @@ where
             }
             self.dynamics.mode.touching = self.contact.touching();
             self.progress.is_settled = true;
-            if self.ends.locked.waiting_bumpers != BumperSet::EMPTY {
-                self.engage_pressed(z);
-            }
+            self.engage_pressed(z);
         }
         if let Some(state_loads) = self.dynamics.deciding::<N>() {
             if settles {

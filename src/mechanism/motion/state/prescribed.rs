@@ -256,6 +256,7 @@ impl State {
             Some(locked) => locked,
             None => self.apply(reduced, inputs, h)?,
         };
+        self.saved.contact.forget_released(locked);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let made = self.follow(reduced, inputs, locked, false).and_then(|()| {
             let mut arrival =
