@@ -53,6 +53,22 @@ fn a_latch_engages_when_it_is_pressed_harder_than_its_force() {
     }
 }
 
+/// Static friction carries its part of the load: the force of the stop is the rest, in the output and for the latch.
+#[test]
+fn static_friction_carries_a_part_of_the_contact_force() {
+    let rough = latch(json!({
+        "gravity": weight(), "friction": friction([0.4, 0.2], [0.0; 2]).with(json!({ "law": "stick" })),
+    }));
+    let carried = 0.4 * MASS * G;
+    for (rest, holds) in [(0.999 * FORCE, false), (1.001 * FORCE, true)] {
+        let mut run = Run::new(&rough).with(&[("pull.force_x", -(carried + rest))]).started();
+        run.near("slide.friction_force", carried, 1e-10);
+        run.near("end.force", if holds { 0.0 } else { rest }, 1e-10);
+        run.step(0.1);
+        assert_eq!(run.is("latch.engaged"), holds, "{rest}");
+    }
+}
+
 /// The input releases the latch, which needs its force again; a saved state keeps it engaged.
 #[test]
 fn the_input_releases_a_latch() {

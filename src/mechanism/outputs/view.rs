@@ -73,7 +73,8 @@ impl Reading for f64 {
         }
         match contact.holder(&state.ends(reduced, locks), free) {
             Some((place, holder)) => {
-                Ok(Forces { acceleration: 0.0, held: Some(place), by_stop: holder == Holder::Stop, ..forces })
+                let free = pressing(&mut motion, direction, sigma)?.unwrap_or(free);
+                Ok(Forces { acceleration: 0.0, free, direction, held: Some(place), by_stop: holder == Holder::Stop })
             }
             None => Ok(forces),
         }
@@ -94,11 +95,29 @@ impl Reading for Dual<1> {
         let (cache, loads) = (&mut *view.values, &mut *view.loads);
         let values = View { reduced, inputs, state, loads, cache, values: () }.forces()?;
         let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
-        let free = view.equation()?.settle_in(values.direction, sigma, sigma_dot)?;
-        let acceleration = if values.held.is_some() { Self::constant(0.0) } else { free };
+        let mut motion = view.equation()?;
+        let mut free = motion.settle_in(values.direction, sigma, sigma_dot)?;
+        let mut acceleration = free;
+        if values.held.is_some() {
+            acceleration = Self::constant(0.0);
+            free = pressing(&mut motion, values.direction, sigma)?.unwrap_or(free);
+        }
         let Forces { direction, held, by_stop, .. } = values;
         Ok(Forces { acceleration, free, direction, held, by_stop })
     }
+}
+
+/// Acceleration of a mechanism at rest without the stop or lock that holds it, if it would start in this direction
+/// against friction that sticks: static friction carries its part of the loads. None without such friction.
+fn pressing<N: Differentiable>(
+    motion: &mut EquationOfMotion<'_, N>,
+    direction: f64,
+    sigma: N,
+) -> Result<Option<N>, OutputError> {
+    if direction == 0.0 || !motion.sticks() {
+        return Ok(None);
+    }
+    Ok(Some(motion.setting_off(sigma, direction)?))
 }
 
 impl<'a, N: Reading> View<'a, N> {
