@@ -46,6 +46,12 @@ impl<T: Differentiable> Scratch<T> {
         self.tangent.pressures[cylinder] = pressures.map(T::held);
     }
 
+    /// State the time derivatives of the speed of a driven surface [m/s2, m/s3].
+    pub fn set_surface(&mut self, rates: [T; 2]) {
+        self.evaluator.surface.rates = rates;
+        self.tangent.surface.rates = rates.map(T::held);
+    }
+
     /// State the states of controllers [N or N.m].
     pub fn set_controllers(&mut self, states: Option<[T; MOST_CONTROL_STATES]>) {
         self.evaluator.controllers = states;
@@ -193,6 +199,9 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn setting_off(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
         self.mode.direction = direction;
         if !self.sticks() {
+            if self.clinging().is_some() {
+                self.clear_regimes();
+            }
             return Ok(self.effect(sigma, T::constant(0.0))?.acceleration);
         }
         self.clear_regimes();
@@ -228,6 +237,12 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
+        if self.clinging().is_some() && !(self.reverses() && direction == 0.0) {
+            self.clear_regimes();
+            self.mode.direction = direction;
+            self.cling(sigma, sigma_dot)?;
+            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
+        }
         self.settle_in(direction, sigma, sigma_dot)
     }
 

@@ -11,4 +11,5 @@ pub mod panel_force;
 pub mod ports;
 pub mod prescribed;
 pub mod state_loads;
+mod surface;
 pub mod switches;

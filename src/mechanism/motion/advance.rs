@@ -123,7 +123,7 @@ where
         if self.resume(z, span)? {
             return Ok(0.0);
         }
-        self.progress.may_pass = self.lookahead.may_pass();
+        self.progress.may_pass = self.lookahead.may_pass() && !self.begin_on_surface();
         while self.progress.t < span {
             self.check(z)?;
             match self.instant(z, span)? {
@@ -280,6 +280,9 @@ where
     fn transition(&mut self, found: Option<&Found<N>>, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.progress.held = None;
         self.dynamics.set_state(z);
+        if self.clinging().is_some() {
+            self.keep_on_surface(z);
+        }
         match found {
             Some(found) => self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z),
             None => Ok(()),
@@ -352,4 +355,5 @@ where
 mod impact;
 mod location;
 mod rest;
+mod surface;
 mod transitions;

@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::linkage::Kind;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
@@ -67,7 +68,8 @@ impl Reading for f64 {
         let mut motion = view.equation()?;
         let free = motion.settle(sigma, sigma_dot)?;
         let direction = motion.mode.direction;
-        let forces = Forces { acceleration: free, free, direction, held: None, by_stop: false };
+        let surface = motion.clinging().and_then(|(joint, _)| motion.scratch.evaluator.regimes[joint]);
+        let forces = Forces { acceleration: free, free, direction, held: None, surface, by_stop: false };
         if contact.at_rest().is_none() {
             return Ok(forces);
         }
@@ -94,10 +96,13 @@ impl Reading for Dual<1> {
         let (cache, loads) = (&mut *view.values, &mut *view.loads);
         let values = View { reduced, inputs, state, loads, cache, values: () }.forces()?;
         let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
-        let free = view.equation()?.settle_in(values.direction, sigma, sigma_dot)?;
+        let free = match values.surface {
+            Some(regime) => view.equation()?.settle_on_surface(regime, values.direction, [sigma, sigma_dot])?,
+            None => view.equation()?.settle_in(values.direction, sigma, sigma_dot)?,
+        };
         let acceleration = if values.held.is_some() { Self::constant(0.0) } else { free };
-        let Forces { direction, held, by_stop, .. } = values;
-        Ok(Forces { acceleration, free, direction, held, by_stop })
+        let Forces { direction, held, surface, by_stop, .. } = values;
+        Ok(Forces { acceleration, free, direction, held, surface, by_stop })
     }
 }
 
@@ -151,6 +156,10 @@ impl<'a, N: Reading> View<'a, N> {
         if controllers.is_some() {
             scratch.set_controllers(controllers);
         }
+        if let Some(surface) = state_loads.and_then(|own| own.friction_joints[own.clings?].surface) {
+            let rate = inputs.signal.first[surface];
+            scratch.set_surface([direction.s.chain(rate, direction.surface), N::constant(0.0)]);
+        }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
         let mut equation = EquationOfMotion::new(reduced, (reduced, state_loads), applied, scratch);
         equation.scratch.panel_force.share(of_step, state.sigma);
@@ -176,9 +185,12 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(forces)
     }
 
-    /// Whether friction holds the mechanism at rest: the loads overcome it in neither direction, or friction has no
-    /// solution in one.
+    /// Whether friction holds the mechanism at the speed of a driven surface or at rest: there the loads overcome it in
+    /// neither direction, or friction has no solution in one.
     pub fn sticking(&mut self) -> bool {
+        if let Ok(Forces { surface: Some(Regime::Sticking), .. }) = self.forces() {
+            return true;
+        }
         if self.state.sigma_dot != 0.0 {
             return false;
         }

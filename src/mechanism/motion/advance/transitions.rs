@@ -63,6 +63,9 @@ where
             if state_loads.reverses && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
                 return self.wait_at_rest(z, span);
             }
+            if state_loads.clings.is_some() && (settles || z[1] == 0.0) && self.dynamics.cling(z[0], z[1])? {
+                self.keep_on_surface(z);
+            }
             if settles && state_loads.switches() > 0 {
                 self.dynamics.find_signs(self.progress.t, z)?;
             }
@@ -86,6 +89,7 @@ where
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
             Event::Border(_) | Event::Knot(_) => {}
+            Event::Regime(joint) if self.clinging().is_some() && self.turn_on_surface(joint, z)? => {}
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;

@@ -1,0 +1,78 @@
+//! Sticking on a driven surface within an advance: friction holds a body there, so that both move at one speed.
+//!
+//! In: a state, an event of the slip speed. Out: the state on the surface, the regime that follows. It must not know
+//! what moves.
+use super::{Advance, Stopped};
+use crate::integrator::System;
+use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::motion::witness::What;
+
+impl<'e, const N: usize> Advance<'_, 'e, N>
+where
+    EquationOfMotion<'e>: System<N>,
+{
+    /// The friction joint whose driven surface can hold its body.
+    #[inline(always)]
+    pub(super) fn clinging(&self) -> Option<usize> {
+        self.dynamics.deciding::<N>()?.clings
+    }
+
+    /// The rates of the speed of a surface that can hold its body are those of this span. Returns whether there is one.
+    #[inline(always)]
+    pub(super) fn begin_on_surface(&mut self) -> bool {
+        let surface = self.clinging().and_then(|_| self.dynamics.clinging()?.1.surface);
+        let Some([_, first, second]) = surface.map(|surface| self.dynamics.applied.rates(surface)) else {
+            return false;
+        };
+        self.dynamics.scratch.set_surface([first, second]);
+        true
+    }
+
+    /// A body that its surface holds has exactly the speed of that.
+    #[cold]
+    pub(super) fn keep_on_surface(&mut self, z: &mut [f64; N]) {
+        self.dynamics.time = self.progress.t;
+        if self.clinging().is_some_and(|joint| self.dynamics.is_held(joint))
+            && let Some([slip, speed]) = self.dynamics.along_surface(z[0])
+        {
+            z[1] = speed / slip;
+        }
+    }
+
+    /// Whether the slip speed of a joint passes 0 on a surface that can hold its body, or such a body starts to slip,
+    /// and then what follows.
+    #[cold]
+    pub(super) fn turn_on_surface(&mut self, joint: usize, z: &mut [f64; N]) -> Result<bool, Stopped> {
+        self.dynamics.time = self.progress.t;
+        let Some((own, law)) = self.dynamics.clinging().map(|(own, joint)| (own, joint.law)) else { return Ok(false) };
+        if own != joint {
+            return Ok(false);
+        }
+        if self.dynamics.is_held(joint) {
+            let [forward, back] = self.dynamics.beyond_hold(joint, [z[0], z[1]])?;
+            let towards = if forward > back { -1.0 } else { 1.0 };
+            self.dynamics.set_regime(joint, Some(law.regime_towards(0.0, towards)));
+            self.tell(What::Slips { joint });
+        } else {
+            let regime = self.dynamics.regime(joint);
+            let slip = self.dynamics.slip(joint, z[0], z[1]);
+            let next = law.next(regime, slip);
+            if next.sign() == regime.sign() {
+                return Ok(false);
+            }
+            let at_speed = self.dynamics.along_surface(z[0]).map_or(z[1], |[slip, speed]| speed / slip);
+            if self.dynamics.cling(z[0], at_speed)? {
+                z[1] = at_speed;
+                self.tell(What::Clings { joint });
+            } else {
+                self.dynamics.set_regime(joint, Some(next));
+            }
+        }
+        self.progress.work.regimes += 1;
+        self.integrator.restart();
+        if self.dynamics.state_loads.is_some_and(|own| own.switches() > 0) {
+            self.dynamics.find_signs(self.progress.t, z)?;
+        }
+        if self.pauses() { Err(Stopped::Event(self.progress)) } else { Ok(true) }
+    }
+}
