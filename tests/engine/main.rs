@@ -72,6 +72,7 @@ mod slots;
 mod solver_method;
 mod start_at_guess;
 mod stiction;
+mod sticking_surfaces;
 mod stops;
 #[path = "../support/mod.rs"]
 mod support;

@@ -72,8 +72,9 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
     /// State the sign of the slip on a driven surface that follows a slip speed of 0 with this sigma_ddot.
     #[cold]
     pub fn slip_by(&mut self, acceleration: T, sigma: T, sigma_dot: T) {
-        /// Part of the accelerations by which equal ones differ by rounding.
+        /// Part of the accelerations, and of that on a circle of the size of the mechanism, by which equal ones differ.
         const ROUNDING: f64 = 1e-12;
+        let on_circle = sigma_dot.value().powi(2) / self.reduced.scale();
         let Some([slip, _]) = self.along_surface(sigma.value()) else { return };
         let (Some((joint, _)), Some(state_loads)) = (self.clinging(), self.state_loads) else { return };
         let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
@@ -82,7 +83,7 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
         let own = with_surface(&evaluator.surface, state_loads, panel_force, (joint, influence), state);
         let [demanded, own] = [acceleration.value(), own.value()];
         let more = demanded - own;
-        let is_equal = more.abs() <= ROUNDING * demanded.abs().max(own.abs());
+        let is_equal = more.abs() <= ROUNDING * (demanded.abs() + own.abs() + on_circle);
         evaluator.surface.towards = Some(if is_equal { 0.0 } else { slip * more });
     }
 

@@ -123,7 +123,7 @@ where
         if self.resume(z, span)? {
             return Ok(0.0);
         }
-        self.progress.may_pass = self.lookahead.may_pass() && !self.begin_on_surface();
+        self.progress.may_pass = !self.begin_on_surface() && self.lookahead.may_pass();
         while self.progress.t < span {
             self.check(z)?;
             match self.instant(z, span)? {
