@@ -398,7 +398,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
                 let speed = applied.size(surface, t);
                 v = v - speed;
-                rests = is_still(v.value(), speed.value());
+                rests = self.surface.is_on || is_still(v.value(), speed.value());
                 towards = self.surface.slips_towards(t.value(), towards);
             }
             if self.regimes[j].is_none() {

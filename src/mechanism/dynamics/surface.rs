@@ -36,19 +36,20 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
     }
 
     /// Find and state whether a driven surface holds its body: the slip speed is 0, and the friction that keeps it 0 is
-    /// within its limit. At a slip speed of 0 without that, the regime of the slip that follows is stated. The mode has
-    /// the direction of the motion.
+    /// within its limit. At a slip speed of 0 without that, the regime of the slip that follows is stated. In model
+    /// exchange the last event decided. The mode has the direction of the motion.
     ///
     /// # Errors
     /// [`Locked`]: friction has no solution.
     pub fn cling(&mut self, sigma: T, sigma_dot: T) -> Result<bool, Locked> {
         let Some([slip, speed]) = self.along_surface(sigma.value()) else { return Ok(false) };
         let Some((joint, &FrictionJoint { law, .. })) = self.clinging() else { return Ok(false) };
-        if !is_still(slip * sigma_dot.value() - speed, speed) {
+        let is_on = self.scratch.evaluator.surface.is_on;
+        if !is_on && !is_still(slip * sigma_dot.value() - speed, speed) {
             return Ok(false);
         }
         let [forward, back] = self.beyond_hold(joint, [sigma, sigma_dot])?;
-        let is_held = forward <= 0.0 && back <= 0.0;
+        let is_held = is_on || forward <= 0.0 && back <= 0.0;
         if !is_held {
             let towards = if forward > 0.0 { -1.0 } else { 1.0 };
             self.set_regime(joint, Some(law.regime_towards(0.0, towards)));

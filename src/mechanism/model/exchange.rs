@@ -390,6 +390,14 @@ impl Model {
             }
             Transition::Touch(bumper) => state.contact.touched(bumper),
             Transition::LetGo(bumper) => state.contact.let_go(bumper),
+            Transition::Cling { surface, speed } => {
+                state.sigma_dot = speed;
+                state.contact.set_surface(Some(surface));
+            }
+            Transition::Slip { speed } => {
+                state.sigma_dot = speed;
+                state.contact.set_surface(None);
+            }
             Transition::Halt => state.sigma_dot = 0.0,
         }
         Ok(())

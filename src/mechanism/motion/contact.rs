@@ -272,6 +272,8 @@ pub struct Contact {
     touching: BumperSet,
     /// Places where a lock has engaged by the force of the stop, and its input has not released it since.
     engaged: Places,
+    /// In model exchange: speed of the driven surface that holds its body since the last event [m/s].
+    surface: Option<f64>,
 }
 
 impl Contact {
@@ -302,6 +304,17 @@ impl Contact {
     #[inline]
     pub fn engaged(&self) -> Places {
         self.engaged
+    }
+
+    /// In model exchange: speed of the driven surface that holds its body [m/s].
+    #[inline]
+    pub fn surface(&self) -> Option<f64> {
+        self.surface
+    }
+
+    /// In model exchange: a driven surface of this speed [m/s] holds its body, or none does.
+    pub fn set_surface(&mut self, speed: Option<f64>) {
+        self.surface = speed;
     }
 
     /// The lock at a place has engaged by the force of the stop.
@@ -391,7 +404,10 @@ impl Contact {
         })?;
         record.option("arrival at a stop", &mut self.arrival, Place::default, |record, place| place.record(record))?;
         self.touching.record(record)?;
-        self.engaged.record(record)
+        self.engaged.record(record)?;
+        record.option("speed of a surface", &mut self.surface, f64::default, |record, speed| {
+            record.finite("speed of a surface", speed)
+        })
     }
 }
 

@@ -158,6 +158,7 @@ impl<'a, N: Reading> View<'a, N> {
         }
         if let Some(surface) = state_loads.and_then(|own| own.friction_joints[own.clings?].surface) {
             let rate = inputs.signal.first[surface];
+            scratch.evaluator.surface.is_on = state.contact.surface().is_some();
             scratch.set_surface([direction.s.chain(rate, direction.surface), N::constant(0.0)]);
         }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };

@@ -32,6 +32,10 @@ pub enum Transition {
     Touch(usize),
     /// A bumper would pull.
     LetGo(usize),
+    /// A driven surface of this speed [m/s] holds its body from now on, at this speed along the curve.
+    Cling { surface: f64, speed: f64 },
+    /// The driven surface no longer holds its body, which has this speed along the curve.
+    Slip { speed: f64 },
     /// The speed passes 0, and the drives or sticking friction hold the mechanism there.
     Halt,
 }
@@ -59,6 +63,50 @@ fn press(view: &mut View<f64>, ends: &Ends, place: Place) -> Result<Option<f64>,
         None if contact.at_rest() == Some(place) => Some(view.forces()?.free * place.outward() - least),
         _ => None,
     })
+}
+
+/// Slip speed on a driven surface that can hold its body at a speed along the curve, the speed of the surface, and the
+/// speed along the curve without slip; none without such a surface.
+fn slip(view: &mut View<f64>, v: f64) -> Result<Option<[f64; 3]>, OutputError> {
+    if view.reduced.loading().surface_that_holds().is_none() {
+        return Ok(None);
+    }
+    let (sigma, mut equation) = (view.state.sigma, view.equation()?);
+    Ok(equation.along_surface(sigma).map(|[slip, speed]| [slip * v - speed, speed, speed / slip]))
+}
+
+/// How far the friction that holds a body on its driven surface is beyond its limit [N or N.m].
+fn beyond_hold(view: &mut View<f64>) -> Result<f64, OutputError> {
+    let direction = view.forces()?.direction;
+    let (state, mut equation) = ([view.state.sigma, view.state.sigma_dot], view.equation()?);
+    equation.mode.direction = direction;
+    let joint = equation.clinging().map(|(joint, _)| joint);
+    let [forward, back] = joint.map_or(Ok([f64::NEG_INFINITY; 2]), |joint| equation.beyond_hold(joint, state))?;
+    Ok(forward.max(back))
+}
+
+/// Whether a driven surface starts or ceases to hold its body between the speeds `last` and v.
+fn on_surface(view: &mut View<f64>, last: f64, v: f64) -> Result<Option<Transition>, OutputError> {
+    let Some([now, surface, speed]) = slip(view, v)? else { return Ok(None) };
+    let held_by = view.state.contact.surface();
+    if held_by.is_some() {
+        if held_by != Some(surface) {
+            return Ok(Some(Transition::Slip { speed: v }));
+        }
+        return Ok((beyond_hold(view)? > 0.0).then_some(Transition::Slip { speed }));
+    }
+    let [before, ..] = slip(view, last)?.unwrap_or_default();
+    let is_still = view.forces()?.surface.is_some();
+    if !(is_still || before * now < 0.0) {
+        return Ok(None);
+    }
+    let (sigma, mut equation) = (view.state.sigma, view.equation()?);
+    if speed != 0.0 || !equation.reverses() {
+        equation.mode.direction = if speed == 0.0 { 0.0 } else { speed.signum() };
+    } else if equation.start_direction(sigma, 0.0)? == 0.0 {
+        return Ok(None);
+    }
+    Ok(equation.cling(sigma, speed)?.then_some(Transition::Cling { surface, speed }))
 }
 
 /// The first place at which a lock that waits for the force of the stop is to engage.
@@ -154,6 +202,12 @@ pub fn value_of(
                 (table.value(position, 1) * v * joint.radius - surface).abs() - border
             }
             _ => ABSENT,
+        },
+        Indicator::Surface(_) => match view.forces()?.surface {
+            _ if rest.is_some() => ABSENT,
+            Some(_) if state.contact.surface().is_some() => PRESS_SHIFT - beyond_hold(view)?,
+            Some(regime) => regime.sign() * shift,
+            None => slip(view, v)?.map_or(ABSENT, |[slip, ..]| slip),
         },
         Indicator::DriveSign(load) => {
             let switch = |s: &StateLoads| s.drives[..s.efficient].iter().position(|drive| *drive == load);
@@ -269,6 +323,11 @@ pub fn transition(
             });
             return Ok(Some(met.map_or(Transition::Touch(k), |side| Transition::Arrive(Place::of_bumper(side, k)))));
         }
+    }
+    if state.contact.at_rest().is_none()
+        && let Some(transition) = on_surface(view, last[1], v)?
+    {
+        return Ok(Some(transition));
     }
     if last[1] * v < 0.0 {
         let sigma = state.sigma;
