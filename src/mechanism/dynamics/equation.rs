@@ -52,6 +52,11 @@ impl<T: Differentiable> Scratch<T> {
         self.tangent.surface.rates = rates.map(T::held);
     }
 
+    /// State the sign of the slip on a driven surface since the last event of model exchange.
+    pub fn set_side(&mut self, side: Option<f64>) {
+        (self.evaluator.surface.side, self.tangent.surface.side) = (side, side);
+    }
+
     /// State the states of controllers [N or N.m].
     pub fn set_controllers(&mut self, states: Option<[T; MOST_CONTROL_STATES]>) {
         self.evaluator.controllers = states;

@@ -13,3 +13,5 @@ pub mod prescribed;
 pub mod state_loads;
 mod surface;
 pub mod switches;
+
+pub use state_loads::is_still;

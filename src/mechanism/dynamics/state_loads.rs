@@ -393,19 +393,24 @@ impl<T: Number> StateLoadEvaluator<T> {
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
-            let mut towards = slip.value() * mode.direction;
+            let (mut towards, mut at) = (slip.value() * mode.direction, v.value());
             let mut rests = mode.breaks_away || is_at_rest(mode, sigma_dot.value());
             if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
                 let speed = applied.size(surface, t);
                 v = v - speed;
-                rests = self.surface.is_on || is_still(v.value(), speed.value());
+                at = v.value();
+                rests = is_still(at, speed.value());
                 towards = self.surface.slips_towards(t.value(), towards);
+                if let Some(side) = self.surface.side.filter(|_| friction_joint.law.sticks) {
+                    rests = side == 0.0;
+                    (at, towards) = if at * side > 0.0 { (at, side) } else { (0.0, side) };
+                }
             }
             if self.regimes[j].is_none() {
                 self.arms[j] = if friction_joint.law.sticks && rests {
                     friction_joint.law.at_breakaway(towards).times(friction_joint.radius)
                 } else {
-                    friction_joint.arm(friction_joint.law.regime_towards(v.value(), towards))
+                    friction_joint.arm(friction_joint.law.regime_towards(at, towards))
                 };
             }
             self.friction.arm[j] = self.arms[j].at(v);

@@ -44,12 +44,12 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
     pub fn cling(&mut self, sigma: T, sigma_dot: T) -> Result<bool, Locked> {
         let Some([slip, speed]) = self.along_surface(sigma.value()) else { return Ok(false) };
         let Some((joint, &FrictionJoint { law, .. })) = self.clinging() else { return Ok(false) };
-        let is_on = self.scratch.evaluator.surface.is_on;
-        if !is_on && !is_still(slip * sigma_dot.value() - speed, speed) {
+        let side = self.scratch.evaluator.surface.side;
+        if side.map_or(!is_still(slip * sigma_dot.value() - speed, speed), |side| side != 0.0) {
             return Ok(false);
         }
         let [forward, back] = self.beyond_hold(joint, [sigma, sigma_dot])?;
-        let is_held = is_on || forward <= 0.0 && back <= 0.0;
+        let is_held = side.is_some() || forward <= 0.0 && back <= 0.0;
         if !is_held {
             let towards = if forward > 0.0 { -1.0 } else { 1.0 };
             self.set_regime(joint, Some(law.regime_towards(0.0, towards)));

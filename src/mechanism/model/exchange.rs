@@ -390,13 +390,9 @@ impl Model {
             }
             Transition::Touch(bumper) => state.contact.touched(bumper),
             Transition::LetGo(bumper) => state.contact.let_go(bumper),
-            Transition::Cling { surface, speed } => {
+            Transition::Surface { side, surface, speed } => {
                 state.sigma_dot = speed;
-                state.contact.set_surface(Some(surface));
-            }
-            Transition::Slip { speed } => {
-                state.sigma_dot = speed;
-                state.contact.set_surface(None);
+                state.contact.set_surface([side, surface]);
             }
             Transition::Halt => state.sigma_dot = 0.0,
         }

@@ -123,7 +123,7 @@ where
         if self.resume(z, span)? {
             return Ok(0.0);
         }
-        self.progress.may_pass = !self.begin_on_surface() && self.lookahead.may_pass();
+        self.progress.may_pass = self.lookahead.may_pass();
         while self.progress.t < span {
             self.check(z)?;
             match self.instant(z, span)? {
@@ -163,10 +163,15 @@ where
             self.refine(dense.is_some(), h);
             self.transition(found.as_ref(), z)?;
             if found.is_none() && step.reached && !aim.is_cut {
+                // Where a surface holds its body, each step has been searched for events.
+                if N > 2 && dense.is_some() {
+                    self.keep_on_surface(z);
+                }
                 break;
             }
             // A change of law that is kept for the next step must not be forgotten.
             if self.witness.pauses.at_steps && self.progress.held.is_none() {
+                self.keep_on_surface(z);
                 return Err(Stopped::Pause(self.progress));
             }
         }
@@ -175,8 +180,9 @@ where
 
     /// Whether the advance may go on from the state z: the work is not spent, and no lock is to change.
     #[inline(always)]
-    fn check(&self, z: &[f64; N]) -> Result<(), Stopped> {
+    fn check(&mut self, z: &mut [f64; N]) -> Result<(), Stopped> {
         if self.progress.work.is_spent(self.integrator.attempts()) {
+            self.keep_on_surface(z);
             return Err(Stopped::Budget(self.progress));
         }
         let is_due = |level| self.dynamics.level_of_network(level, z).is_some_and(|own| own.excess(z) >= 0.0);
@@ -280,9 +286,6 @@ where
     fn transition(&mut self, found: Option<&Found<N>>, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.progress.held = None;
         self.dynamics.set_state(z);
-        if self.clinging().is_some() {
-            self.keep_on_surface(z);
-        }
         match found {
             Some(found) => self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z),
             None => Ok(()),

@@ -272,8 +272,9 @@ pub struct Contact {
     touching: BumperSet,
     /// Places where a lock has engaged by the force of the stop, and its input has not released it since.
     engaged: Places,
-    /// In model exchange: speed of the driven surface that holds its body since the last event [m/s].
-    surface: Option<f64>,
+    /// In model exchange, of the driven surface that can hold its body: sign of the slip since the last event, 0 while
+    /// it holds, and its speed then [m/s].
+    surface: Option<[f64; 2]>,
 }
 
 impl Contact {
@@ -306,15 +307,15 @@ impl Contact {
         self.engaged
     }
 
-    /// In model exchange: speed of the driven surface that holds its body [m/s].
+    /// In model exchange: sign of the slip on a driven surface, 0 while it holds its body, and its speed [m/s].
     #[inline]
-    pub fn surface(&self) -> Option<f64> {
+    pub fn surface(&self) -> Option<[f64; 2]> {
         self.surface
     }
 
-    /// In model exchange: a driven surface of this speed [m/s] holds its body, or none does.
-    pub fn set_surface(&mut self, speed: Option<f64>) {
-        self.surface = speed;
+    /// In model exchange: what [`Self::surface`] is from now on.
+    pub fn set_surface(&mut self, surface: [f64; 2]) {
+        self.surface = Some(surface);
     }
 
     /// The lock at a place has engaged by the force of the stop.
@@ -405,8 +406,8 @@ impl Contact {
         record.option("arrival at a stop", &mut self.arrival, Place::default, |record, place| place.record(record))?;
         self.touching.record(record)?;
         self.engaged.record(record)?;
-        record.option("speed of a surface", &mut self.surface, f64::default, |record, speed| {
-            record.finite("speed of a surface", speed)
+        record.option("slip on a surface", &mut self.surface, Default::default, |record, surface| {
+            record.all_finite("slip on a surface", surface)
         })
     }
 }

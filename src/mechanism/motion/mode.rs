@@ -77,6 +77,7 @@ impl<'a> EquationOfMotion<'a> {
         if sigma_dot == 0.0 && self.sticks() {
             // The law of friction is that of the motion that starts.
             self.set_regimes(sigma, sigma_dot);
+            self.cling(sigma, sigma_dot)?;
         }
         Ok(self.mode.direction)
     }

@@ -158,7 +158,7 @@ impl<'a, N: Reading> View<'a, N> {
         }
         if let Some(surface) = state_loads.and_then(|own| own.friction_joints[own.clings?].surface) {
             let rate = inputs.signal.first[surface];
-            scratch.evaluator.surface.is_on = state.contact.surface().is_some();
+            scratch.set_side(state.contact.surface().map(|[side, _]| side));
             scratch.set_surface([direction.s.chain(rate, direction.surface), N::constant(0.0)]);
         }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
@@ -189,7 +189,9 @@ impl<'a, N: Reading> View<'a, N> {
     /// Whether friction holds the mechanism at the speed of a driven surface or at rest: there the loads overcome it in
     /// neither direction, or friction has no solution in one.
     pub fn sticking(&mut self) -> bool {
-        if let Ok(Forces { surface: Some(Regime::Sticking), .. }) = self.forces() {
+        if self.reduced.loading().surface_that_holds().is_some()
+            && let Ok(Forces { surface: Some(Regime::Sticking), .. }) = self.forces()
+        {
             return true;
         }
         if self.state.sigma_dot != 0.0 {

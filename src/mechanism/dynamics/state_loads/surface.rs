@@ -23,8 +23,8 @@ pub fn is_still(slip: f64, speed: f64) -> bool {
 pub struct Surface<T> {
     /// First two time derivatives of the speed of the surface, at t = 0 [m/s2, m/s3].
     pub rates: [T; 2],
-    /// Whether the surface holds its body by an event of model exchange, until another one.
-    pub is_on: bool,
+    /// Sign of the slip since the last event of model exchange, 0 while the surface holds its body; none elsewhere.
+    pub side: Option<f64>,
     /// Sign of the slip that follows a slip speed of 0, where it is known: 0 for none.
     pub towards: Option<f64>,
     /// Friction of the last evaluation that held the body, and |R| of its joint.
@@ -34,7 +34,7 @@ pub struct Surface<T> {
 impl<T: Number> Default for Surface<T> {
     fn default() -> Self {
         let zero = T::constant(0.0);
-        Self { rates: [zero; 2], is_on: false, towards: None, held: [zero; 2] }
+        Self { rates: [zero; 2], side: None, towards: None, held: [zero; 2] }
     }
 }
 

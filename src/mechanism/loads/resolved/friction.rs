@@ -350,6 +350,9 @@ fn check_surface(mechanism: &Mechanism, name: &str, other: Option<&FrictionJoint
         (Some(other), _) => format!("joints.{other}.surface_speed: only 1 joint can have a driven surface"),
         (None, Some((_, drive, _))) => format!("actuators.{drive}.motion: the motion must not be prescribed"),
         (None, None) if mechanism.has_hydraulics() => "hydraulics: no hydraulic circuit is possible".to_owned(),
+        (None, None) if mechanism.control_states().next().is_some() => {
+            "the key `control` of a drive: no controller with a state is possible".to_owned()
+        }
         (None, None) => return Ok(()),
     };
     let message = format!(

@@ -2,6 +2,8 @@
 //!
 //! In: the states at the last event and now. Out: values of indicators, the next transition. It must not know how a
 //! transition is made.
+use crate::mechanism::dynamics::is_still;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::motion::contact::{Ends, Place, outward};
 use crate::mechanism::motion::state::State;
@@ -32,10 +34,9 @@ pub enum Transition {
     Touch(usize),
     /// A bumper would pull.
     LetGo(usize),
-    /// A driven surface of this speed [m/s] holds its body from now on, at this speed along the curve.
-    Cling { surface: f64, speed: f64 },
-    /// The driven surface no longer holds its body, which has this speed along the curve.
-    Slip { speed: f64 },
+    /// On a driven surface of this speed [m/s], the slip has this sign from now on, 0 where the surface holds its body,
+    /// which has this speed along the curve.
+    Surface { side: f64, surface: f64, speed: f64 },
     /// The speed passes 0, and the drives or sticking friction hold the mechanism there.
     Halt,
 }
@@ -75,38 +76,53 @@ fn slip(view: &mut View<f64>, v: f64) -> Result<Option<[f64; 3]>, OutputError> {
     Ok(equation.along_surface(sigma).map(|[slip, speed]| [slip * v - speed, speed, speed / slip]))
 }
 
-/// How far the friction that holds a body on its driven surface is beyond its limit [N or N.m].
-fn beyond_hold(view: &mut View<f64>) -> Result<f64, OutputError> {
+/// How far the friction that holds a body on its driven surface is beyond its limit, forward and backward [N or N.m].
+fn beyond_hold(view: &mut View<f64>) -> Result<[f64; 2], OutputError> {
     let direction = view.forces()?.direction;
     let (state, mut equation) = ([view.state.sigma, view.state.sigma_dot], view.equation()?);
     equation.mode.direction = direction;
     let joint = equation.clinging().map(|(joint, _)| joint);
-    let [forward, back] = joint.map_or(Ok([f64::NEG_INFINITY; 2]), |joint| equation.beyond_hold(joint, state))?;
-    Ok(forward.max(back))
+    Ok(joint.map_or(Ok([f64::NEG_INFINITY; 2]), |joint| equation.beyond_hold(joint, state))?)
 }
 
-/// Whether a driven surface starts or ceases to hold its body between the speeds `last` and v.
-fn on_surface(view: &mut View<f64>, last: f64, v: f64) -> Result<Option<Transition>, OutputError> {
-    let Some([now, surface, speed]) = slip(view, v)? else { return Ok(None) };
-    let held_by = view.state.contact.surface();
-    if held_by.is_some() {
-        if held_by != Some(surface) {
-            return Ok(Some(Transition::Slip { speed: v }));
-        }
-        return Ok((beyond_hold(view)? > 0.0).then_some(Transition::Slip { speed }));
-    }
-    let [before, ..] = slip(view, last)?.unwrap_or_default();
-    let is_still = view.forces()?.surface.is_some();
-    if !(is_still || before * now < 0.0) {
-        return Ok(None);
-    }
+/// Sign of the slip that follows on a driven surface without slip, at this speed along the curve; 0 where the surface
+/// holds its body.
+fn side_from(view: &mut View<f64>, speed: f64) -> Result<f64, OutputError> {
     let (sigma, mut equation) = (view.state.sigma, view.equation()?);
-    if speed != 0.0 || !equation.reverses() {
-        equation.mode.direction = if speed == 0.0 { 0.0 } else { speed.signum() };
-    } else if equation.start_direction(sigma, 0.0)? == 0.0 {
-        return Ok(None);
-    }
-    Ok(equation.cling(sigma, speed)?.then_some(Transition::Cling { surface, speed }))
+    equation.scratch.set_side(None);
+    equation.mode.direction = match speed {
+        0.0 if equation.reverses() => equation.start_direction(sigma, 0.0)?,
+        0.0 => 0.0,
+        speed => speed.signum(),
+    };
+    equation.cling(sigma, speed)?;
+    let joint = equation.clinging().map(|(joint, _)| joint);
+    Ok(joint.and_then(|joint| equation.scratch.evaluator.regimes[joint]).map_or(0.0, Regime::sign))
+}
+
+/// Whether a driven surface starts or ceases to hold its body at a speed v, or the slip changes its sign.
+fn on_surface(view: &mut View<f64>, v: f64) -> Result<Option<Transition>, OutputError> {
+    let Some([slip, surface, speed]) = slip(view, v)? else { return Ok(None) };
+    let shift = PLACE_SHIFT * view.reduced.scale();
+    let known = view.state.contact.surface().filter(|[_, known]| *known == surface).map(|[side, _]| side);
+    let (side, speed) = match known {
+        Some(0.0) => {
+            let [forward, back] = beyond_hold(view)?;
+            if forward <= 0.0 && back <= 0.0 {
+                return Ok(None);
+            }
+            (if forward > back { -1.0 } else { 1.0 }, speed)
+        }
+        Some(side) if slip * side + shift >= 0.0 => return Ok(None),
+        // The slip speed has passed 0.
+        Some(side) => match side_from(view, speed)? {
+            0.0 => (0.0, speed),
+            _ => (-side, v),
+        },
+        None if is_still(slip, surface) => (side_from(view, speed)?, speed),
+        None => (slip.signum(), v),
+    };
+    Ok(Some(Transition::Surface { side, surface, speed }))
 }
 
 /// The first place at which a lock that waits for the force of the stop is to engage.
@@ -203,11 +219,16 @@ pub fn value_of(
             }
             _ => ABSENT,
         },
-        Indicator::Surface(_) => match view.forces()?.surface {
+        Indicator::Surface(_) => match state.contact.surface() {
             _ if rest.is_some() => ABSENT,
-            Some(_) if state.contact.surface().is_some() => PRESS_SHIFT - beyond_hold(view)?,
-            Some(regime) => regime.sign() * shift,
-            None => slip(view, v)?.map_or(ABSENT, |[slip, ..]| slip),
+            Some([0.0, _]) => {
+                let [forward, back] = beyond_hold(view)?;
+                PRESS_SHIFT - forward.max(back)
+            }
+            known => {
+                let side = known.map_or(0.0, |[side, _]| side);
+                slip(view, v)?.map_or(ABSENT, |[slip, ..]| slip + side * shift)
+            }
         },
         Indicator::DriveSign(load) => {
             let switch = |s: &StateLoads| s.drives[..s.efficient].iter().position(|drive| *drive == load);
@@ -325,7 +346,7 @@ pub fn transition(
         }
     }
     if state.contact.at_rest().is_none()
-        && let Some(transition) = on_surface(view, last[1], v)?
+        && let Some(transition) = on_surface(view, v)?
     {
         return Ok(Some(transition));
     }

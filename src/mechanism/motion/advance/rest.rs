@@ -66,6 +66,7 @@ where
     #[inline(always)]
     pub(super) fn rest(&mut self, place: Place, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         let sigma = z[0];
+        self.state_rates();
         if self.contact.is_latched() {
             if Self::EVOLVES_AT_REST {
                 self.go_on_at_rest(z, span, &[])?;

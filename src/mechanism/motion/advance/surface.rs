@@ -5,6 +5,7 @@
 use super::{Advance, Stopped};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::witness::What;
 
 impl<'e, const N: usize> Advance<'_, 'e, N>
@@ -17,15 +18,26 @@ where
         self.dynamics.deciding::<N>()?.clings
     }
 
-    /// The rates of the speed of a surface that can hold its body are those of this span. Returns whether there is one.
+    /// Whether a surface holds its body follows from the state. No step goes on beyond the span: what its interpolant
+    /// has there is not exactly on the surface.
+    #[cold]
+    pub(super) fn settle_on_surface(&mut self, z: &mut [f64; N]) -> Result<(), Locked> {
+        self.progress.may_pass = false;
+        if self.dynamics.cling(z[0], z[1])? {
+            self.keep_on_surface(z);
+        }
+        Ok(())
+    }
+
+    /// The rates of the speed of a surface that can hold its body are those of this span.
     #[inline(always)]
-    pub(super) fn begin_on_surface(&mut self) -> bool {
-        let surface = self.clinging().and_then(|_| self.dynamics.clinging()?.1.surface);
-        let Some([_, first, second]) = surface.map(|surface| self.dynamics.applied.rates(surface)) else {
-            return false;
-        };
-        self.dynamics.scratch.set_surface([first, second]);
-        true
+    pub(super) fn state_rates(&mut self) {
+        if self.clinging().is_some()
+            && let Some(surface) = self.dynamics.clinging().and_then(|(_, joint)| joint.surface)
+        {
+            let [_, first, second] = self.dynamics.applied.rates(surface);
+            self.dynamics.scratch.set_surface([first, second]);
+        }
     }
 
     /// A body that its surface holds has exactly the speed of that.

@@ -58,16 +58,19 @@ where
         }
         if let Some(state_loads) = self.dynamics.deciding::<N>() {
             if settles {
+                self.state_rates();
                 self.dynamics.set_regimes(z[0], z[1]);
             }
             if state_loads.reverses && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
                 return self.wait_at_rest(z, span);
             }
-            if state_loads.clings.is_some() && (settles || z[1] == 0.0) && self.dynamics.cling(z[0], z[1])? {
-                self.keep_on_surface(z);
-            }
-            if settles && state_loads.switches() > 0 {
-                self.dynamics.find_signs(self.progress.t, z)?;
+            if settles {
+                if state_loads.clings.is_some() {
+                    self.settle_on_surface(z)?;
+                }
+                if state_loads.switches() > 0 {
+                    self.dynamics.find_signs(self.progress.t, z)?;
+                }
             }
         }
         Ok(Instant::Moves)
@@ -85,6 +88,9 @@ where
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
     #[inline(never)]
     pub(super) fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
+        if self.clinging().is_some() {
+            self.keep_on_surface(z);
+        }
         match event {
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
@@ -161,6 +167,7 @@ where
     pub(super) fn meet(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.dynamics.time = 0.0;
         self.dynamics.set_state(z);
+        self.state_rates();
         self.dynamics.mode.touching = self.contact.touching();
         self.jumped();
         self.impact(place, z)
