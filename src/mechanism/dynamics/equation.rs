@@ -46,17 +46,6 @@ impl<T: Differentiable> Scratch<T> {
         self.tangent.pressures[cylinder] = pressures.map(T::held);
     }
 
-    /// State the time derivatives of the speed of a driven surface [m/s2, m/s3].
-    pub fn set_surface(&mut self, rates: [T; 2]) {
-        self.evaluator.surface.rates = rates;
-        self.tangent.surface.rates = rates.map(T::held);
-    }
-
-    /// State the sign of the slip on a driven surface since the last event of model exchange.
-    pub fn set_side(&mut self, side: Option<f64>) {
-        (self.evaluator.surface.side, self.tangent.surface.side) = (side, side);
-    }
-
     /// State the states of controllers [N or N.m].
     pub fn set_controllers(&mut self, states: Option<[T; MOST_CONTROL_STATES]>) {
         self.evaluator.controllers = states;
@@ -243,10 +232,7 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
         if self.clinging().is_some() && !(self.reverses() && direction == 0.0) {
-            self.clear_regimes();
-            self.mode.direction = direction;
-            self.cling(sigma, sigma_dot)?;
-            return Ok(self.effect(sigma, sigma_dot)?.acceleration);
+            return self.find_on_surface(direction, sigma, sigma_dot);
         }
         self.settle_in(direction, sigma, sigma_dot)
     }

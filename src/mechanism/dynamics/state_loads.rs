@@ -398,13 +398,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
                 let speed = applied.size(surface, t);
                 v = v - speed;
-                at = v.value();
-                rests = is_still(at, speed.value());
-                towards = self.surface.slips_towards(t.value(), towards);
-                if let Some(side) = self.surface.side.filter(|_| friction_joint.law.sticks) {
-                    rests = side == 0.0;
-                    (at, towards) = if at * side > 0.0 { (at, side) } else { (0.0, side) };
-                }
+                (rests, at, towards) = self.surface.slip([t, v, speed].map(|number| number.value()), towards);
             }
             if self.regimes[j].is_none() {
                 self.arms[j] = if friction_joint.law.sticks && rests {
@@ -423,13 +417,6 @@ impl<T: Number> StateLoadEvaluator<T> {
         solve(&mut self.friction, state_loads, t.value(), &balance)?;
         self.see_normal_forces(state_loads);
         Ok(None)
-    }
-
-    #[inline(always)]
-    fn see_normal_forces(&mut self, state_loads: &StateLoads) {
-        for (k, &joint) in state_loads.prismatic.iter().enumerate() {
-            self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
-        }
     }
 }
 

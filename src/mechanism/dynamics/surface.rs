@@ -10,6 +10,19 @@ use crate::mechanism::loads::resolved::FrictionJoint;
 use crate::numerics::dual::Differentiable;
 use crate::numerics::table::polynomial;
 
+impl<T: Differentiable> Scratch<T> {
+    /// State the time derivatives of the speed of a driven surface [m/s2, m/s3].
+    pub fn set_surface(&mut self, rates: [T; 2]) {
+        self.evaluator.surface.rates = rates;
+        self.tangent.surface.rates = rates.map(T::held);
+    }
+
+    /// State the sign of the slip on a driven surface since the last event of model exchange.
+    pub fn set_side(&mut self, side: Option<f64>) {
+        (self.evaluator.surface.side, self.tangent.surface.side) = (side, side);
+    }
+}
+
 impl<T: Differentiable> EquationOfMotion<'_, T> {
     /// The joint whose driven surface can hold its body, by its index among the friction joints.
     #[inline(always)]
@@ -86,6 +99,19 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
         let more = demanded - own;
         let is_equal = more.abs() <= ROUNDING * (demanded.abs() + own.abs() + on_circle);
         evaluator.surface.towards = Some(if is_equal { 0.0 } else { slip * more });
+    }
+
+    /// Acceleration at any state in this direction, with the friction on the driven surface that follows from the
+    /// state.
+    ///
+    /// # Errors
+    /// [`Locked`]: friction has no solution.
+    #[cold]
+    pub fn find_on_surface(&mut self, direction: f64, sigma: T, sigma_dot: T) -> Result<T, Locked> {
+        self.clear_regimes();
+        self.mode.direction = direction;
+        self.cling(sigma, sigma_dot)?;
+        Ok(self.effect(sigma, sigma_dot)?.acceleration)
     }
 
     /// Acceleration of a state with the regime of the friction on the driven surface that was found for it.

@@ -160,18 +160,17 @@ where
             }
             *z = state;
             self.progress.t += h;
+            // Where a surface holds its body, each step is searched for events.
+            if N > 2 && dense.is_some() {
+                self.keep_on_surface(z);
+            }
             self.refine(dense.is_some(), h);
             self.transition(found.as_ref(), z)?;
             if found.is_none() && step.reached && !aim.is_cut {
-                // Where a surface holds its body, each step has been searched for events.
-                if N > 2 && dense.is_some() {
-                    self.keep_on_surface(z);
-                }
                 break;
             }
             // A change of law that is kept for the next step must not be forgotten.
             if self.witness.pauses.at_steps && self.progress.held.is_none() {
-                self.keep_on_surface(z);
                 return Err(Stopped::Pause(self.progress));
             }
         }
@@ -180,9 +179,8 @@ where
 
     /// Whether the advance may go on from the state z: the work is not spent, and no lock is to change.
     #[inline(always)]
-    fn check(&mut self, z: &mut [f64; N]) -> Result<(), Stopped> {
+    fn check(&self, z: &[f64; N]) -> Result<(), Stopped> {
         if self.progress.work.is_spent(self.integrator.attempts()) {
-            self.keep_on_surface(z);
             return Err(Stopped::Budget(self.progress));
         }
         let is_due = |level| self.dynamics.level_of_network(level, z).is_some_and(|own| own.excess(z) >= 0.0);

@@ -39,12 +39,17 @@ impl<T: Number> Default for Surface<T> {
 }
 
 impl<T: Number> Surface<T> {
-    /// Sign of the slip that follows a slip speed of 0 at a time of the step [s]: against the rate of the surface's
-    /// speed, or as stated `otherwise` at a constant speed.
-    pub(super) fn slips_towards(&self, t: f64, otherwise: f64) -> f64 {
+    /// Whether a slip speed v on a surface of the speed V counts as 0 at a time t of the step [s], the slip speed whose
+    /// regime counts, and the sign of the slip that follows a slip speed of 0: against the rate of V, or as stated
+    /// `otherwise` at a constant V.
+    pub(super) fn slip(&self, [t, v, speed]: [f64; 3], otherwise: f64) -> (bool, f64, f64) {
+        if let Some(side) = self.side {
+            return (side == 0.0, if v * side > 0.0 { v } else { 0.0 }, side);
+        }
         let [first, second] = self.rates.map(|rate| rate.value());
         let against = [first + second * t, second].into_iter().find(|rate| *rate != 0.0);
-        self.towards.unwrap_or_else(|| against.map_or(otherwise, |rate| -rate))
+        let towards = self.towards.unwrap_or_else(|| against.map_or(otherwise, |rate| -rate));
+        (is_still(v, speed), v, towards)
     }
 }
 
@@ -65,6 +70,14 @@ pub fn with_surface<T: Number>(
 }
 
 impl<T: Number> StateLoadEvaluator<T> {
+    /// The normal forces of prismatic joints are switching quantities.
+    #[inline(always)]
+    pub(super) fn see_normal_forces(&mut self, state_loads: &StateLoads) {
+        for (k, &joint) in state_loads.prismatic.iter().enumerate() {
+            self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
+        }
+    }
+
     /// Find the friction of a joint that holds its body on its driven surface. It balances all other forces along the
     /// curve, so the friction in all joints adds a known part to sigma_ddot: the reactions to the friction of this
     /// joint replace the inertial ones, as in [`Self::required`]. Returns sigma_ddot.

@@ -88,9 +88,6 @@ where
     /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
     #[inline(never)]
     pub(super) fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
-        if self.clinging().is_some() {
-            self.keep_on_surface(z);
-        }
         match event {
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
