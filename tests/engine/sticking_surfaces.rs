@@ -337,6 +337,38 @@ fn a_belt_that_turns_back_takes_its_parcel_off_a_stop() {
     run.near("energy.drift", 0.0, 1e-11);
 }
 
+/// The law `viscous` tends to this law as its static speed tends to 0: so do the motions.
+#[test]
+fn viscous_friction_tends_to_this_law() {
+    let mut exact = Run::new(machine(-0.3, json!({}))).started();
+    exact.step(0.6);
+    let error = |static_speed: f64| {
+        let law = friction([0.5, 0.3], [static_speed, 2.0 * static_speed]).with(json!({ "law": "viscous" }));
+        let mut run = Run::new(machine(-0.3, json!({ "friction": law }))).started();
+        run.step(0.6);
+        (run.get("crank.angle") - exact.get("crank.angle")).abs()
+    };
+    let errors = [1e-2, 1e-3, 1e-4].map(error);
+    assert!(errors[0] < 3e-2 && errors[1] < 4e-3 && errors[2] < 6e-4, "{errors:?}");
+}
+
+/// A belt carries its parcel up an incline whose slope is below mu_S; beyond, the parcel slides down it.
+#[test]
+fn a_belt_carries_its_parcel_up_an_incline() {
+    for (part, sticks) in [(0.999, true), (1.001, false)] {
+        let (belt, slope) = (0.5, f64::atan(part * MU_S));
+        let incline = json!({ "joints": { "slide": { "axis_angle": slope } }, "start": { "speed": belt } });
+        let mut run = Run::new(parcel(belt).with(incline)).started();
+        run.step(0.3);
+        assert_eq!(run.is("friction.sticking"), sticks);
+        let rate = if sticks { 0.0 } else { G * (MU_D * slope.cos() - slope.sin()) };
+        run.near("slide.position", 0.3 * belt + 0.045 * rate, 1e-12);
+        run.near("slide.friction_force", MASS * (rate + G * slope.sin()), 1e-11);
+        run.near("slide.surface_power", belt * MASS * (rate + G * slope.sin()), 1e-11);
+        run.near("energy.drift", 0.0, 1e-11);
+    }
+}
+
 /// A sleeve that turns about the pin of a wheel, r = 0.03 m, takes the wheel along: with mu_d F r while it slips, then
 /// at the speed V / r, up to the couple mu_S F r of a brake. An accelerating sleeve needs I V_dot / r.
 #[test]
@@ -427,6 +459,15 @@ fn a_slider_with_a_crank_sticks_to_its_belt() {
             let rate = 1.2 * (4.0 * t).sin() + 0.005 * 4.8 * (4.0 * t).cos();
             run.near("guide.acceleration", rate, 1e-10);
             assert_near(run.derivative("guide.slip_speed"), 0.0, 1e-9, "rate of the slip speed");
+            let mut ahead = run.clone();
+            ahead.set_derivative("guide.surface_speed", 1, rate);
+            ahead.set_derivative("guide.surface_speed", 2, 4.8 * (4.0 * t).cos());
+            let change = ahead.derivative("guide.friction_force");
+            ahead.step(1e-6);
+            if ahead.is("friction.sticking") {
+                let slope = (ahead.get("guide.friction_force") - along) / 1e-6;
+                assert_near(change, slope, 1e-3 * (1.0 + change.abs()), "rate of the friction");
+            }
         } else if slip.abs() > 1e-6 {
             slipped += 1;
             assert_near(along, -0.3 * normal.abs() * slip.signum(), 1e-8, "kinetic friction");
