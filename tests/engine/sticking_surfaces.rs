@@ -1,17 +1,15 @@
-//! Coulomb friction on driven surfaces, which hold their body: closed forms, balances, events, saved states.
+//! Coulomb friction on driven surfaces, which hold their body: closed forms, balances, rejected definitions.
 use crate::support::definition::{G, With, block, friction, rod, slider_crank, weight, wheel};
 use crate::support::{Run, assert_near, assert_says, refusal};
-use linkage_fmu::mechanism::{Pauses, Reached};
 use serde_json::{Value, json};
-use std::f64::consts::PI;
 
-const MASS: f64 = 2.0;
-const MU_S: f64 = 0.4;
-const MU_D: f64 = 0.25;
-const STIFFNESS: f64 = 50.0;
+pub const MASS: f64 = 2.0;
+pub const MU_S: f64 = 0.4;
+pub const MU_D: f64 = 0.25;
+pub const STIFFNESS: f64 = 50.0;
 
 /// A parcel of 2 kg on a level belt with this speed.
-fn parcel(speed: f64) -> Value {
+pub fn parcel(speed: f64) -> Value {
     block(MASS).with(json!({
         "gravity": weight(), "joints": { "slide": { "surface_speed": speed } },
         "friction": friction([MU_S, MU_D], [0.0; 2]).with(json!({ "law": "stick" })),
@@ -20,7 +18,7 @@ fn parcel(speed: f64) -> Value {
 }
 
 /// The same with a spring to the ground.
-fn sprung(speed: f64) -> Value {
+pub fn sprung(speed: f64) -> Value {
     parcel(speed).with(json!({ "springs": { "spring": { "joint": "slide", "stiffness": STIFFNESS } } }))
 }
 
@@ -118,129 +116,6 @@ fn a_belt_that_turns_back_carries_its_parcel() {
         run.near("slide.speed", -0.9, 1e-14);
         run.near("slide.friction_force", -3.0 * MASS, 1e-13);
         run.near("energy.drift", 0.0, 1e-13);
-    }
-}
-
-/// Stick-slip of a parcel on a spring k, on a belt of the speed V: it sticks up to the displacement mu_S N / k, swings
-/// with the frequency omega about mu_d N / k, and sticks again where it has the speed of the belt.
-struct StickSlip {
-    belt: f64,
-    omega: f64,
-    middle: f64,
-    drop: f64,
-}
-
-impl StickSlip {
-    fn new(belt: f64) -> Self {
-        let per_stiffness = MASS * G / STIFFNESS;
-        let (middle, drop) = (MU_D * per_stiffness, (MU_S - MU_D) * per_stiffness);
-        Self { belt, omega: (STIFFNESS / MASS).sqrt(), middle, drop }
-    }
-
-    fn slip_time(&self) -> f64 {
-        2.0 * (PI - (self.drop * self.omega / self.belt).atan()) / self.omega
-    }
-
-    fn period(&self) -> f64 {
-        self.slip_time() + 2.0 * self.drop / self.belt
-    }
-
-    /// Time of the first slip of a parcel that starts at 0 with the speed of the belt.
-    fn first(&self) -> f64 {
-        (self.middle + self.drop) / self.belt
-    }
-
-    /// Largest displacement.
-    fn largest(&self) -> f64 {
-        self.middle + self.drop.hypot(self.belt / self.omega)
-    }
-
-    /// Position, speed and whether the parcel sticks, at a time.
-    fn at(&self, t: f64) -> (f64, f64, bool) {
-        let since = t - self.first();
-        if since < 0.0 {
-            return (self.belt * t, self.belt, true);
-        }
-        let since = since % self.period();
-        if since > self.slip_time() {
-            return (self.middle - self.drop + self.belt * (since - self.slip_time()), self.belt, true);
-        }
-        let ((sin, cos), per) = ((self.omega * since).sin_cos(), self.belt / self.omega);
-        let x = self.middle + self.drop * cos + per * sin;
-        (x, self.omega * (per * cos - self.drop * sin), false)
-    }
-}
-
-/// Period, amplitude and every state of stick-slip are those of the closed form, in steps of any size. Each cycle has
-/// two events.
-#[test]
-fn stick_slip_on_a_belt_follows_its_closed_form() {
-    for (belt, steps) in [(0.1, 2000), (0.1, 77), (0.1, 20), (0.5, 400), (0.02, 100)] {
-        let exact = StickSlip::new(belt);
-        let mut run = Run::new(sprung(belt).with(json!({ "start": { "speed": belt } }))).started();
-        run.listen(true, false);
-        let span = exact.first() + 6.0 * exact.period() + 0.3 * exact.slip_time();
-        let h = span / f64::from(steps);
-        let (mut worst, mut most, mut events): (f64, f64, Vec<String>) = (0.0, 0.0, Vec::new());
-        for k in 1..=steps {
-            run.step(h);
-            events.extend(run.take_occurrences(0.0).into_iter().map(|line| line.text));
-            let (x, v, sticks) = exact.at(f64::from(k) * h);
-            worst = worst.max((run.get("slide.position") - x).abs()).max((run.get("slide.speed") - v).abs());
-            most = most.max(run.get("slide.position"));
-            assert_eq!(run.is("friction.sticking"), sticks);
-            if sticks {
-                run.near("slide.friction_force", STIFFNESS * x, 1e-8);
-                assert_near(run.derivative("slide.friction_force"), STIFFNESS * belt, 1e-8, "rate of the friction");
-                run.near("slide.surface_power", STIFFNESS * x * belt, 1e-8);
-                run.near("slide.slip_speed", 0.0, 1e-15);
-            }
-        }
-        assert!(worst < 1e-9, "{worst} at {belt} m/s in {steps} steps");
-        assert!(most <= exact.largest() + 1e-9 && (steps < 2000 || most > exact.largest() - 1e-4));
-        let count = |word: &str| events.iter().filter(|line| line.contains(word)).count();
-        assert_eq!((count("starts to slip"), count("carries")), (7, 6), "{events:?}");
-        run.near("energy.drift", 0.0, 1e-9);
-    }
-}
-
-/// A host with event mode gets an event at each change between sticking and slipping, at the instant of the change.
-#[test]
-fn steps_pause_where_a_parcel_sticks_and_slips() {
-    let exact = StickSlip::new(0.1);
-    let mut run = Run::new(sprung(0.1).with(json!({ "start": { "speed": 0.1 } }))).started();
-    let (mut t, span, mut changes) = (0.0, exact.first() + 2.5 * exact.period(), Vec::new());
-    while t < span {
-        let h = span - t;
-        let reached = run.step_to_pause(None, h, Pauses { at_events: true, at_steps: false }).unwrap();
-        t = if reached == Reached::End { span } else { t + reached.time(h) };
-        if matches!(reached, Reached::Event(_)) {
-            run.handle_event(None).unwrap();
-            changes.push(t);
-        }
-    }
-    let [first, slip, period] = [exact.first(), exact.slip_time(), exact.period()];
-    let expected: Vec<f64> = (0..3).flat_map(|k| [0.0, slip].map(|own| first + f64::from(k) * period + own)).collect();
-    assert_eq!(changes.len(), expected.len(), "{changes:?}");
-    changes.into_iter().zip(expected).for_each(|(t, exact)| assert_near(t, exact, 1e-10, "time of an event"));
-}
-
-/// A state that is saved while the parcel sticks, and one saved while it slips, continue identically.
-#[test]
-fn saved_states_continue_identically() {
-    let exact = StickSlip::new(0.1);
-    for time in [0.5 * exact.first(), exact.first() + 0.5 * exact.slip_time(), exact.first() + 0.95 * exact.period()] {
-        let definition = sprung(0.1).with(json!({ "start": { "speed": 0.1 } }));
-        let mut run = Run::new(&definition).started();
-        run.steps(7, time);
-        assert_eq!(run.is("friction.sticking"), exact.at(time).2);
-        let saved = run.saved();
-        run.repeats(|run| run.steps(9, 1.3 * exact.period()));
-        let mut again = Run::new(&definition).started();
-        again.take(&saved);
-        again.steps(9, 1.3 * exact.period());
-        let names = ["slide.position", "slide.speed", "slide.friction_force", "energy.drift"];
-        assert_eq!(again.bits(names), run.bits(names));
     }
 }
 
