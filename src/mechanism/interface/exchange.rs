@@ -157,8 +157,8 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
         }
         Indicator::Surface(joint) => {
             let name = joint_name(joint);
-            let text = "Event indicator: slip speed on the driven surface, and while the surface carries the body along, \
-                static friction that is not needed, in the joint ";
+            let text = "Event indicator: slip speed on the driven surface, and while the surface carries the body \
+                along, static friction that is not needed, in the joint ";
             ([name, ".surface_indicator"].concat(), [text, name, "", ""])
         }
         Indicator::DriveSign(load) => {
