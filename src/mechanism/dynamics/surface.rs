@@ -61,13 +61,43 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
         if side.map_or(!is_still(slip * sigma_dot.value() - speed, speed), |side| side != 0.0) {
             return Ok(false);
         }
-        let [forward, back] = self.beyond_hold(joint, [sigma, sigma_dot])?;
+        let Ok([forward, back]) = self.beyond_hold(joint, [sigma, sigma_dot]) else {
+            // No friction on the surface holds the body together with the friction that it causes elsewhere.
+            return self.slip_from(joint, slip, [sigma, sigma_dot]);
+        };
         let is_held = side.is_some() || forward <= 0.0 && back <= 0.0;
         if !is_held {
             let towards = if forward > 0.0 { -1.0 } else { 1.0 };
             self.set_regime(joint, Some(law.regime_towards(0.0, towards)));
         }
         Ok(is_held)
+    }
+
+    /// State the regime of the slip that follows a slip speed of 0 where the surface cannot hold its body: with its
+    /// friction, the slip speed changes in its direction. Returns false.
+    #[cold]
+    fn slip_from(&mut self, joint: usize, slip: f64, [sigma, sigma_dot]: [T; 2]) -> Result<bool, Locked> {
+        let Some(own) = self.with_surface(slip, sigma, sigma_dot) else { return Ok(false) };
+        let Some((_, &FrictionJoint { law, .. })) = self.clinging() else { return Ok(false) };
+        for towards in [1.0, -1.0] {
+            self.set_regime(joint, Some(law.regime_towards(0.0, towards)));
+            if let Ok(found) = self.effect(sigma, sigma_dot)
+                && (found.acceleration - own).value() * slip * towards > 0.0
+            {
+                return Ok(false);
+            }
+        }
+        Err(Locked)
+    }
+
+    /// sigma_ddot with which the slip speed stays as it is, with this slip for each unit of sigma.
+    fn with_surface(&mut self, slip: f64, sigma: T, sigma_dot: T) -> Option<T> {
+        let state_loads = self.state_loads?;
+        let joint = state_loads.clings?;
+        let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
+        let influence = T::constant(slip / state_loads.friction_joints[joint].radius);
+        let state = [self.time, panel_force.x(sigma), sigma_dot];
+        Some(with_surface(&evaluator.surface, state_loads, panel_force, (joint, influence), state))
     }
 
     /// How far the friction that holds a body on its driven surface is beyond its limit, where it acts forward and
@@ -90,15 +120,11 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
         const ROUNDING: f64 = 1e-12;
         let on_circle = sigma_dot.value().powi(2) / self.reduced.scale();
         let Some([slip, _]) = self.along_surface(sigma.value()) else { return };
-        let (Some((joint, _)), Some(state_loads)) = (self.clinging(), self.state_loads) else { return };
-        let Scratch { panel_force, evaluator, .. } = &mut *self.scratch;
-        let state = [self.time, panel_force.x(sigma), sigma_dot];
-        let influence = T::constant(slip / state_loads.friction_joints[joint].radius);
-        let own = with_surface(&evaluator.surface, state_loads, panel_force, (joint, influence), state);
+        let Some(own) = self.with_surface(slip, sigma, sigma_dot) else { return };
         let [demanded, own] = [acceleration.value(), own.value()];
         let more = demanded - own;
         let is_equal = more.abs() <= ROUNDING * (demanded.abs() + own.abs() + on_circle);
-        evaluator.surface.towards = Some(if is_equal { 0.0 } else { slip * more });
+        self.scratch.evaluator.surface.towards = Some(if is_equal { 0.0 } else { slip * more });
     }
 
     /// Acceleration at any state in this direction, with the friction on the driven surface that follows from the
