@@ -101,7 +101,7 @@ fn side_from(view: &mut View<f64>, speed: f64) -> Result<f64, OutputError> {
 }
 
 /// Whether a driven surface starts or ceases to hold its body at a speed v, or the slip changes its sign.
-fn on_surface(view: &mut View<f64>, v: f64) -> Result<Option<Transition>, OutputError> {
+fn on_surface(view: &mut View<f64>, last: f64, v: f64) -> Result<Option<Transition>, OutputError> {
     let Some([slip, surface, speed]) = slip(view, v)? else { return Ok(None) };
     let shift = PLACE_SHIFT * view.reduced.scale();
     let known = view.state.contact.surface().filter(|[_, known]| *known == surface).map(|[side, _]| side);
@@ -114,6 +114,8 @@ fn on_surface(view: &mut View<f64>, v: f64) -> Result<Option<Transition>, Output
             (if forward > back { -1.0 } else { 1.0 }, speed)
         }
         Some(side) if slip * side + shift >= 0.0 => return Ok(None),
+        // At a dead centre of the slip, a mechanism that moves has no slip on a surface at rest.
+        Some(side) if surface == 0.0 && last * v > 0.0 => (-side, v),
         // The slip speed has passed 0.
         Some(side) => match side_from(view, speed)? {
             0.0 => (0.0, speed),
@@ -346,7 +348,7 @@ pub fn transition(
         }
     }
     if state.contact.at_rest().is_none()
-        && let Some(transition) = on_surface(view, v)?
+        && let Some(transition) = on_surface(view, last[1], v)?
     {
         return Ok(Some(transition));
     }

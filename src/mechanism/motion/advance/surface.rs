@@ -8,6 +8,10 @@ use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::witness::What;
 
+/// Part of the speed along the curve, and of the length of the curve in 1 s, by which the speed with the surface may
+/// differ at the event of the slip speed.
+const SAME: f64 = 1e-7;
+
 impl<'e, const N: usize> Advance<'_, 'e, N>
 where
     EquationOfMotion<'e>: System<N>,
@@ -73,7 +77,9 @@ where
                 return Ok(false);
             }
             let at_speed = self.dynamics.along_surface(z[0]).map_or(z[1], |[slip, speed]| speed / slip);
-            if self.dynamics.cling(z[0], at_speed)? {
+            // At a dead centre of the slip, a mechanism that moves has no slip on a surface at rest.
+            let near = SAME * (z[1].abs() + self.dynamics.reduced.scale());
+            if (at_speed - z[1]).abs() <= near && self.dynamics.cling(z[0], at_speed)? {
                 z[1] = at_speed;
                 self.tell(What::Clings { joint });
             } else {
