@@ -1,8 +1,9 @@
 //! Stick-slip on a driven surface: the closed form, events, saved states.
-use super::sticking_surfaces::{MASS, MU_D, MU_S, STIFFNESS, sprung};
+use super::sticking_surfaces::{MASS, MU_D, MU_S, STIFFNESS, machine, parcel, sprung};
 use crate::support::definition::{G, With};
-use crate::support::{Run, assert_near};
+use crate::support::{Run, assert_near, runner};
 use linkage_fmu::mechanism::{Pauses, Reached};
+use proptest::collection::vec;
 use serde_json::json;
 use std::f64::consts::PI;
 
@@ -127,4 +128,62 @@ fn saved_states_continue_identically() {
         let names = ["slide.position", "slide.speed", "slide.friction_force", "energy.drift"];
         assert_eq!(again.bits(names), run.bits(names));
     }
+}
+
+/// Random histories of the speed of the surface and of a drive with losses, with other friction, springs and stops: one
+/// step is seven steps, energy is conserved, and a body that sticks has no slip and friction within its limit.
+#[test]
+fn one_step_is_many_in_random_histories() {
+    let check = |unit: Vec<f64>| {
+        let mut unit = unit.into_iter();
+        let mut within = |low: f64, high: f64| low + (high - low) * unit.next().unwrap();
+        let (is_crank, start) = (within(0.0, 1.0) < 0.4, within(-0.8, 0.8));
+        let joint = if is_crank { "guide" } else { "slide" };
+        let motor = if is_crank { "bearing" } else { "slide" };
+        let force = if is_crank { "torque" } else { "force" };
+        let mut definition = if is_crank { machine(start, json!({})) } else { parcel(start) }.with(json!({
+            "joints": { joint: { "frictionloss": within(-4.0, 6.0).max(0.0) } }, "start": { "speed": within(-0.8, 0.8) },
+            "springs": { "spring": { "joint": joint, "stiffness": within(1.0, 200.0), "damping": within(0.0, 5.0) } },
+            "actuators": { "motor": { "joint": motor, force: 0, "efficiency": within(0.5, 1.3).min(1.0) } },
+            "solver": { "tolerance": 1e-10 },
+        }));
+        if !is_crank {
+            let (high, low, restitution) = (within(0.05, 0.3), within(-0.3, -0.05), within(0.0, 0.8));
+            definition = definition.with(json!({ "stops": {
+                "high": { "joint": joint, "limit": "upper", "position": high, "restitution": restitution },
+                "low": { "joint": joint, "limit": "lower", "position": low, "rigid": false, "stiffness": 2e3, "damping": 9 },
+            } }));
+        }
+        let mut one = Run::new(&definition).started();
+        let mut many = one.clone();
+        let [speed, slip, position] = ["surface_speed", "slip_speed", "position"].map(|name| format!("{joint}.{name}"));
+        let mut v = start;
+        for _ in 0..10 {
+            let (h, load) = (within(0.02, 0.2), within(-8.0, 8.0) * if is_crank { 0.1 } else { 1.0 });
+            v = match within(0.0, 1.0) {
+                part if part < 0.2 => within(-0.8, 0.8),
+                part if part < 0.3 => 0.0,
+                _ => v,
+            };
+            let [a, j] = [within(-12.0, 6.0), within(-90.0, 30.0)].map(|rate| if rate < -6.0 { 0.0 } else { rate });
+            let advance = |run: &mut Run, t: f64, h: f64| {
+                run.set(&format!("motor.{force}"), load);
+                run.set(&speed, v + t * (a + 0.5 * t * j));
+                run.set_derivative(&speed, 1, a + t * j);
+                run.set_derivative(&speed, 2, j);
+                run.step(h);
+            };
+            advance(&mut one, 0.0, h);
+            (0..7).for_each(|k| advance(&mut many, h * f64::from(k) / 7.0, h / 7.0));
+            v += h * (a + 0.5 * h * j);
+            let expected = many.get(&position);
+            one.near(&position, expected, 1e-7);
+            assert_eq!(one.is("friction.sticking"), many.is("friction.sticking"));
+            let is_held = many.is("friction.sticking") && many.get(&slip).abs() < 1e-9;
+            assert!(!is_held || many.get(&slip).abs() < 1e-12);
+            [&mut one, &mut many].into_iter().for_each(|run| run.near("energy.drift", 0.0, 1e-7));
+        }
+        Ok(())
+    };
+    runner(12).run(&vec(0.0..1.0, 90), check).unwrap();
 }

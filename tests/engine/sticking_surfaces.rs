@@ -296,7 +296,7 @@ fn a_drive_overcomes_the_static_friction_of_a_belt() {
 }
 
 /// A slider-crank whose slider lies on a belt, with Coulomb friction on the belt and in its pins.
-fn machine(speed: f64, keys: Value) -> Value {
+pub fn machine(speed: f64, keys: Value) -> Value {
     slider_crank([rod(0.1, 0.2), rod(0.3, 0.3), json!({ "mass": 3 })], 0.7)
         .with(json!({
             "joints": {
