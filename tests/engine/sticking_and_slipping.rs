@@ -143,7 +143,9 @@ fn one_step_is_many_in_random_histories() {
         let force = if is_crank { "torque" } else { "force" };
         let mut definition = if is_crank { machine(start, json!({})) } else { parcel(start) }.with(json!({
             "joints": { joint: { "frictionloss": within(-4.0, 6.0).max(0.0) } }, "start": { "speed": within(-0.8, 0.8) },
-            "springs": { "spring": { "joint": joint, "stiffness": within(1.0, 200.0), "damping": within(0.0, 5.0) } },
+            "springs": {
+                "spring": { "joint": joint, "stiffness": within(1.0, 200.0), "damping": within(0.0, 5.0) }
+            },
             "actuators": { "motor": { "joint": motor, force: 0, "efficiency": within(0.5, 1.3).min(1.0) } },
             "solver": { "tolerance": 1e-10 },
         }));
@@ -151,7 +153,9 @@ fn one_step_is_many_in_random_histories() {
             let (high, low, restitution) = (within(0.05, 0.3), within(-0.3, -0.05), within(0.0, 0.8));
             definition = definition.with(json!({ "stops": {
                 "high": { "joint": joint, "limit": "upper", "position": high, "restitution": restitution },
-                "low": { "joint": joint, "limit": "lower", "position": low, "rigid": false, "stiffness": 2e3, "damping": 9 },
+                "low": {
+                    "joint": joint, "limit": "lower", "position": low, "rigid": false, "stiffness": 2e3, "damping": 9
+                },
             } }));
         }
         let mut one = Run::new(&definition).started();
