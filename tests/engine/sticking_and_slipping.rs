@@ -142,7 +142,8 @@ fn one_step_is_many_in_random_histories() {
         let motor = if is_crank { "bearing" } else { "slide" };
         let force = if is_crank { "torque" } else { "force" };
         let mut definition = if is_crank { machine(start, json!({})) } else { parcel(start) }.with(json!({
-            "joints": { joint: { "frictionloss": within(-4.0, 6.0).max(0.0) } }, "start": { "speed": within(-0.8, 0.8) },
+            "joints": { joint: { "frictionloss": within(-4.0, 6.0).max(0.0) } },
+            "start": { "speed": within(-0.8, 0.8) },
             "springs": {
                 "spring": { "joint": joint, "stiffness": within(1.0, 200.0), "damping": within(0.0, 5.0) }
             },
