@@ -154,6 +154,18 @@ fn other_friction_acts_while_a_parcel_moves_with_its_belt() {
             assert_eq!(run.get("slide.position").to_bits(), place.to_bits());
             assert!(run.is("friction.sticking"));
         }
+        // Through 0 at any time, with f + m a below the limit and above kinetic friction.
+        for part in [0.1, 0.137, 0.41, 0.775] {
+            let (belt, loss) = (0.65 * MU_S * G, 0.3 * MU_S * normal);
+            let mut run = with(loss, -part * 0.5 * belt);
+            for k in 0..steps {
+                run.set("slide.surface_speed", belt * (f64::from(k) * h - part * 0.5));
+                run.set_derivative("slide.surface_speed", 1, belt);
+                run.step(h);
+            }
+            assert!(run.is("friction.sticking"));
+            run.near("slide.speed", belt * 0.5 * (1.0 - part), 1e-12);
+        }
         // Through 0 with a deceleration at which f + m a exceeds the limit, and f - m a does not.
         let (belt, loss) = (-0.8 * MU_S * G, 0.3 * MU_S * normal);
         let mut run = with(loss, 0.25 * belt.abs());

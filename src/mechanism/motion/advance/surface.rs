@@ -55,6 +55,23 @@ where
         }
     }
 
+    /// A body that its surface holds turns back with it: at the time at which the speed of the surface is 0 to rounding,
+    /// so that the body is on the surface then too.
+    #[cold]
+    pub(super) fn turn_with_surface(&mut self, z: &[f64; N]) {
+        let is_held = self.clinging().is_some_and(|joint| self.dynamics.is_held(joint));
+        for _ in 0..2 {
+            let t = self.progress.t;
+            self.dynamics.time = t;
+            let [first, second] = self.dynamics.scratch.evaluator.surface.rates;
+            if let Some([_, speed]) = self.dynamics.along_surface(z[0]).filter(|_| is_held) {
+                let later = t - speed / (first + second * t);
+                self.progress.t = if later.is_finite() && later >= 0.0 { later } else { t };
+            }
+        }
+        self.dynamics.time = self.progress.t;
+    }
+
     /// Whether the slip speed of a joint passes 0 on a surface that can hold its body, or such a body starts to slip,
     /// and then what follows.
     #[cold]

@@ -108,6 +108,9 @@ where
                 self.progress.held = at_once.then_some(event);
             }
             Event::Reversal => {
+                if self.clinging().is_some() {
+                    self.turn_with_surface(z);
+                }
                 self.jumped();
                 self.progress.work.reversals += 1;
                 z[1] = 0.0;
