@@ -26,7 +26,7 @@ use crate::component::{Component, Snapshot};
 
 const MAGIC: [u8; 8] = *b"linkFMUs";
 /// Version of the form. It changes with every change of the bytes or of the hashed data.
-const VERSION: u32 = 15;
+const VERSION: u32 = 16;
 /// Bytes of magic, version, length and the two hashes.
 const HEADER: usize = 36;
 /// Bytes of the check sum.

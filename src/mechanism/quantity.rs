@@ -70,6 +70,9 @@ pub enum Indicator {
     Breakaway,
     /// The slip speed of a joint with friction against the border of the static or of the kinetic regime.
     Slip { joint: usize, kinetic: bool },
+    /// The slip speed on a driven surface that can hold its body, by the index of its joint among the joints with
+    /// friction; while it does, the friction that is missing up to the limit.
+    Surface(usize),
     /// The force along the motion of a drive with an efficiency, by the index of its load: its sign decides on the
     /// loss.
     DriveSign(usize),

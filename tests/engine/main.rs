@@ -71,6 +71,8 @@ mod singular_together;
 mod slots;
 mod solver_method;
 mod start_at_guess;
+mod sticking_and_slipping;
+mod sticking_surfaces;
 mod stiction;
 mod stops;
 #[path = "../support/mod.rs"]

@@ -127,7 +127,8 @@ keys! {
         /// body [m/s]. A belt, a chain or a sleeve moves this surface along the axis of a prismatic joint, along a slot
         /// or around the pin of a revolute joint. The surface speed is positive in the direction in which the position
         /// or the angle of the joint increases. Friction in the joint acts against the slip speed, which is the speed
-        /// of the second body relative to the surface. The key `surface_speed` needs the friction law `viscous`.
+        /// of the second body relative to the surface. With the friction law `stick`, the second body can move along
+        /// with the surface, without slip, and only one joint of the mechanism can have the key `surface_speed`.
         surface_speed: Option<f64> => number(MetrePerSecond, Range::Finite).brief();
         /// Moment of inertia of a rotor that turns with the angle of a revolute joint, or mass that moves with the
         /// position of a prismatic joint [kg or kg.m2], >= 0. The kinetic energy of the rotor is armature * rate^2 / 2,

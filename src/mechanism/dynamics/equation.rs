@@ -193,6 +193,9 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn setting_off(&mut self, sigma: T, direction: f64) -> Result<T, Locked> {
         self.mode.direction = direction;
         if !self.sticks() {
+            if self.clinging().is_some() {
+                self.clear_regimes();
+            }
             return Ok(self.effect(sigma, T::constant(0.0))?.acceleration);
         }
         self.clear_regimes();
@@ -228,6 +231,9 @@ impl<'a, T: Differentiable> EquationOfMotion<'a, T> {
     pub fn settle(&mut self, sigma: T, sigma_dot: T) -> Result<T, Locked> {
         self.clear_regimes();
         let direction = if self.reverses() { self.start_direction(sigma, sigma_dot)? } else { self.mode.direction };
+        if self.clinging().is_some() && !(self.reverses() && direction == 0.0) {
+            return self.find_on_surface(direction, sigma, sigma_dot);
+        }
         self.settle_in(direction, sigma, sigma_dot)
     }
 

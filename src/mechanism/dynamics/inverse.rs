@@ -61,7 +61,11 @@ impl<T: Differentiable> EquationOfMotion<'_, T> {
     pub fn required(&mut self, sigma: T, sigma_dot: T, demand: &Demand<T>) -> Result<T, NoForce> {
         let Demand { drive: (load, influence), acceleration, direction, breakaway } = *demand;
         let sigma_dot = if breakaway.is_some() { T::constant(0.0) } else { sigma_dot };
+        if breakaway.is_none() && self.clinging().is_some() {
+            self.slip_by(acceleration, sigma, sigma_dot);
+        }
         let free = self.heading(direction, sigma, sigma_dot);
+        self.scratch.evaluator.surface.towards = None;
         let size = self.delivered(load);
         let Some(state_loads) = self.state_loads else {
             return Ok(acceleration - (free.map_err(|Locked| NoForce::Locked)? - size * influence));

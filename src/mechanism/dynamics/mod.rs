@@ -11,4 +11,7 @@ pub mod panel_force;
 pub mod ports;
 pub mod prescribed;
 pub mod state_loads;
+mod surface;
 pub mod switches;
+
+pub use state_loads::is_still;

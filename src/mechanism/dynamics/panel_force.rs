@@ -6,7 +6,7 @@
 use crate::mechanism::dynamics::inputs::Change;
 use crate::mechanism::reduced::{ExactMotion, Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, Row, add_side_by_side, side_by_side};
-use crate::numerics::chebyshev::{NODES, Series};
+use crate::numerics::chebyshev::{NODES, Series, slopes_of};
 use crate::numerics::dual::{Dual, Number};
 use crate::numerics::enclosure::{Interval, polynomial_bounds};
 use crate::numerics::table::{Table, TablePosition, polynomial_at};
@@ -196,6 +196,11 @@ impl PanelForce {
     #[inline]
     pub fn series<'a>(&'a self, table: &'a Table, component: usize) -> &'a Series {
         if self.exact.is_empty() { table.series(self.panel, component) } else { &self.exact[component] }
+    }
+
+    /// Derivative along sigma of one component of this table, at x on the panel.
+    pub fn slope<T: Number>(&self, table: &Table, component: usize, x: T) -> T {
+        polynomial_at(&slopes_of(self.series(table, component)), x) * self.inverse
     }
 
     /// Coefficients of the components that are read together, on the panel.

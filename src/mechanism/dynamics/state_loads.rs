@@ -6,6 +6,7 @@
 mod drives;
 mod free;
 mod losses;
+mod surface;
 
 use crate::hydraulics::network::definition::MOST_CYLINDERS;
 use crate::mechanism::definition::MOST_CONTROL_STATES;
@@ -20,6 +21,7 @@ use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
 use crate::numerics::table::polynomial_at;
 use losses::solve;
+pub use surface::{Surface, is_still, with_surface};
 
 /// What is constant within a step and may change between steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,6 +70,8 @@ pub struct StateLoadEvaluator<T> {
     law_values: Vec<[f64; 2]>,
     /// Quantities whose signs select a law, with their signs and samples.
     pub switches: Switches,
+    /// The driven surface that can hold its body.
+    pub surface: Surface<T>,
     /// Values of [`StateLoads::bundle`].
     effects: Vec<[T; ROW]>,
     /// sigma_ddot without friction.
@@ -102,6 +106,7 @@ impl<T: Number> StateLoadEvaluator<T> {
             arms: vec![Cubic::default(); friction_joints],
             law_values: vec![[0.0; 2]; state_loads.map_or(0, |s| s.laws.len())],
             switches: Switches::new(state_loads.map_or(0, StateLoads::switches)),
+            surface: Surface::default(),
             effects: vec![[zero; ROW]; state_loads.map_or(0, |s| Bundle::rows(s.bundled()))],
             motion: zero,
             reactions: vec![[zero; ROW]; reactions],
@@ -235,7 +240,7 @@ impl<T: Number> StateLoadEvaluator<T> {
         let mut acceleration = self.motion;
         if !state_loads.friction_joints.is_empty() {
             self.reactions_without_friction((reduced, state_loads), panel_force, [t, x, sigma_dot]);
-            self.friction(state_loads, applied, mode, [t, sigma_dot])?;
+            let held = self.friction(state_loads, applied, panel_force, mode, [t, x, sigma_dot])?;
             let influences = self.effects.as_flattened()[..state_loads.loads.len()].iter();
             for (j, (load, &influence)) in self.loads.iter_mut().zip(influences).skip(state_loads.free()).enumerate() {
                 *load = self.friction.friction(j);
@@ -243,6 +248,8 @@ impl<T: Number> StateLoadEvaluator<T> {
                 acceleration = acceleration + share;
                 lost = lost - share * sigma_dot;
             }
+            // The sum, without its rounding.
+            acceleration = held.unwrap_or(acceleration);
         }
         Ok(Evaluation { acceleration, lost })
     }
@@ -373,38 +380,43 @@ impl<T: Number> StateLoadEvaluator<T> {
         solve(&mut self.friction, state_loads, 0.0, &balance).is_err()
     }
 
+    /// Solve for the friction. Returns sigma_ddot where a driven surface holds its body and so determines it.
     fn friction(
         &mut self,
         state_loads: &StateLoads,
         applied: &AppliedLoads,
+        panel_force: &PanelForce,
         mode: &Mode,
-        [t, sigma_dot]: [T; 2],
-    ) -> Result<(), Locked> {
+        [t, x, sigma_dot]: [T; 3],
+    ) -> Result<Option<T>, Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
+            let (mut towards, mut at) = (slip.value() * mode.direction, v.value());
+            let mut rests = mode.breaks_away || is_at_rest(mode, sigma_dot.value());
             if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
-                v = v - applied.size(surface, t);
+                let speed = applied.size(surface, t);
+                v = v - speed;
+                (rests, at, towards) = self.surface.slip([t, v, speed].map(|number| number.value()), towards);
             }
             if self.regimes[j].is_none() {
-                let towards = slip.value() * mode.direction;
-                let is_friction = state_loads.sticks && friction_joint.kind != FrictionKind::Teeth;
-                self.arms[j] = if is_friction && (mode.breaks_away || is_at_rest(mode, sigma_dot.value())) {
+                self.arms[j] = if friction_joint.law.sticks && rests {
                     friction_joint.law.at_breakaway(towards).times(friction_joint.radius)
                 } else {
-                    friction_joint.arm(friction_joint.law.regime_towards(v.value(), towards))
+                    friction_joint.arm(friction_joint.law.regime_towards(at, towards))
                 };
             }
             self.friction.arm[j] = self.arms[j].at(v);
         }
+        if let Some(joint) = state_loads.clings.filter(|joint| self.regimes[*joint] == Some(Regime::Sticking)) {
+            return self.hold(state_loads, panel_force, joint, [t, x, sigma_dot]).map(Some);
+        }
         let reactions = self.reactions.as_flattened();
         let balance = balance(state_loads, [effects, reactions, &effects[state_loads.inertial()]]);
         solve(&mut self.friction, state_loads, t.value(), &balance)?;
-        for (k, &joint) in state_loads.prismatic.iter().enumerate() {
-            self.switches.see(state_loads.efficient + k, self.friction.normal_force(joint));
-        }
-        Ok(())
+        self.see_normal_forces(state_loads);
+        Ok(None)
     }
 }
 

@@ -61,6 +61,9 @@ fn indicators(s: &Source) -> Vec<(Indicator, Unit)> {
     let borders = |joint| [false, true].map(|kinetic| (Indicator::Slip { joint, kinetic }, MetrePerSecond));
     let kind = |joint: usize| s.loading.friction.as_ref().map(|friction| friction.friction_joints[joint].kind);
     all.extend((0..joints).filter(|joint| kind(*joint) == Some(FrictionKind::Joint)).flat_map(borders));
+    let surface = s.loading.friction.iter().flat_map(|friction| friction.friction_joints.iter().enumerate());
+    let surface = surface.filter(|(_, joint)| joint.law.sticks && joint.surface.is_some());
+    all.extend(surface.map(|(joint, _)| (Indicator::Surface(joint), One)));
     let drives = s.loading.drives.iter().enumerate();
     let lossy = drives.clone().filter(|(_, drive)| drive.efficiency.is_some());
     all.extend(lossy.map(|(load, _)| (Indicator::DriveSign(load), MetrePerSecondSquared)));
@@ -151,6 +154,12 @@ fn description<'a>(s: &'a Source, indicator: Indicator) -> (String, [&'a str; 4]
             let border = if kinetic { "kinetic" } else { "static" };
             let text = ["Event indicator: slip speed minus friction.", border, "_speed in the joint ", name];
             ([name, ".", border, "_indicator"].concat(), text)
+        }
+        Indicator::Surface(joint) => {
+            let name = joint_name(joint);
+            let text = "Event indicator: slip speed on the driven surface, and while the surface carries the body \
+                along, static friction that is not needed, in the joint ";
+            ([name, ".surface_indicator"].concat(), [text, name, "", ""])
         }
         Indicator::DriveSign(load) => {
             let name = s.loading.drives[load].name.as_str();

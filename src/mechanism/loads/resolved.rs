@@ -310,6 +310,11 @@ impl Loading {
             || self.surfaces.contains(&load)
     }
 
+    /// The speed of the driven surface that can hold its body, by its index among the inputs.
+    pub fn surface_that_holds(&self) -> Option<usize> {
+        self.friction.as_ref()?.friction_joints.iter().find(|joint| joint.clings())?.surface
+    }
+
     /// The states of all controllers, each with the index of its drive, in the order of their indices.
     pub fn control_states(&self) -> impl Iterator<Item = (usize, ControlState)> + '_ {
         let laws = self.drives.iter().enumerate().filter_map(|(index, drive)| Some((index, drive.law.as_ref()?)));

@@ -390,6 +390,10 @@ impl Model {
             }
             Transition::Touch(bumper) => state.contact.touched(bumper),
             Transition::LetGo(bumper) => state.contact.let_go(bumper),
+            Transition::Surface { side, surface, speed } => {
+                state.sigma_dot = speed;
+                state.contact.set_surface([side, surface]);
+            }
             Transition::Halt => state.sigma_dot = 0.0,
         }
         Ok(())

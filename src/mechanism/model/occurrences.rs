@@ -123,8 +123,14 @@ impl Told {
             }
             What::Sticks => event("friction holds the mechanism at rest".to_owned()),
             What::BreaksAway => event("the mechanism breaks away from static friction".to_owned()),
+            What::Clings { joint } => {
+                event(format!("the surface of the joint {} carries the body along", friction_name(reduced, joint)?))
+            }
+            What::Slips { joint } => {
+                event(format!("the body starts to slip on the surface of the joint {}", friction_name(reduced, joint)?))
+            }
             What::Regime { joint, regime } => {
-                let joint = loading.friction_name(reduced.linkage(), loading.friction.as_ref()?.acting().nth(joint)?);
+                let joint = friction_name(reduced, joint)?;
                 Some((true, format!("friction in the joint {joint} becomes {}", word(regime))))
             }
         }
@@ -144,12 +150,19 @@ fn units(loading: &Loading, stop: usize) -> (&'static str, &'static str) {
     if loading.stops[stop].quantity == "angle" { ("rad/s", "kg.m2/s") } else { ("m/s", "N.s") }
 }
 
+/// Name of a friction joint, by its index among those whose friction acts.
+fn friction_name(reduced: &Reduced, joint: usize) -> Option<&str> {
+    let loading = reduced.loading();
+    Some(loading.friction_name(reduced.linkage(), loading.friction.as_ref()?.acting().nth(joint)?))
+}
+
 fn word(regime: Regime) -> &'static str {
     match regime {
         Regime::Viscous => "viscous",
         Regime::Static(_) => "static",
         Regime::Transition(_) => "transitional (between static and kinetic)",
         Regime::Kinetic(_) => "kinetic",
+        Regime::Sticking => "static without slip",
     }
 }
 

@@ -160,6 +160,10 @@ where
             }
             *z = state;
             self.progress.t += h;
+            // Where a surface holds its body, each step is searched for events.
+            if N > 2 && dense.is_some() {
+                self.keep_on_surface(z);
+            }
             self.refine(dense.is_some(), h);
             self.transition(found.as_ref(), z)?;
             if found.is_none() && step.reached && !aim.is_cut {
@@ -352,4 +356,5 @@ where
 mod impact;
 mod location;
 mod rest;
+mod surface;
 mod transitions;

@@ -272,6 +272,9 @@ pub struct Contact {
     touching: BumperSet,
     /// Places where a lock has engaged by the force of the stop, and its input has not released it since.
     engaged: Places,
+    /// In model exchange, of the driven surface that can hold its body: sign of the slip since the last event, 0 while
+    /// it holds, and its speed then [m/s].
+    surface: Option<[f64; 2]>,
 }
 
 impl Contact {
@@ -302,6 +305,17 @@ impl Contact {
     #[inline]
     pub fn engaged(&self) -> Places {
         self.engaged
+    }
+
+    /// In model exchange: sign of the slip on a driven surface, 0 while it holds its body, and its speed [m/s].
+    #[inline]
+    pub fn surface(&self) -> Option<[f64; 2]> {
+        self.surface
+    }
+
+    /// In model exchange: what [`Self::surface`] is from now on.
+    pub fn set_surface(&mut self, surface: [f64; 2]) {
+        self.surface = Some(surface);
     }
 
     /// The lock at a place has engaged by the force of the stop.
@@ -397,7 +411,10 @@ impl Contact {
         })?;
         record.option("arrival at a stop", &mut self.arrival, Place::default, |record, place| place.record(record))?;
         self.touching.record(record)?;
-        self.engaged.record(record)
+        self.engaged.record(record)?;
+        record.option("slip on a surface", &mut self.surface, Default::default, |record, surface| {
+            record.all_finite("slip on a surface", surface)
+        })
     }
 }
 

@@ -342,7 +342,10 @@ where
         Event::Engages(bumper) => {
             dynamics.bumper_push(bumper, z[0], z[1]).1 - ends.engages_at(Place::of_bumper(0, bumper))
         }
-        Event::Regime(joint) => dynamics.excess_of_slip(joint, [t, z[0], z[1]]),
+        Event::Regime(joint) => {
+            dynamics.set_state(z);
+            dynamics.excess_of_slip(joint, [t, z[0], z[1]])
+        }
         Event::Border(border) => dynamics.beyond_border(border, t, z),
         Event::Knot(sigma) => z[0] - sigma,
         Event::Level(level) => dynamics.level_of_network(level, z).map_or(0.0, |level| level.excess(z)),

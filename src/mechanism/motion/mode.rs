@@ -74,9 +74,10 @@ impl<'a> EquationOfMotion<'a> {
     /// [`Locked`]: friction has no solution.
     pub fn find_direction(&mut self, sigma: f64, sigma_dot: f64) -> Result<f64, Locked> {
         self.mode.direction = self.start_direction(sigma, sigma_dot)?;
-        if sigma_dot == 0.0 && self.sticks() {
+        if sigma_dot == 0.0 && (self.sticks() || self.clinging().is_some()) {
             // The law of friction is that of the motion that starts.
             self.set_regimes(sigma, sigma_dot);
+            self.cling(sigma, sigma_dot)?;
         }
         Ok(self.mode.direction)
     }

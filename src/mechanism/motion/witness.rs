@@ -38,6 +38,10 @@ pub enum What {
     Sticks,
     /// The loads overcome the friction that holds the mechanism.
     BreaksAway,
+    /// A driven surface holds its body in this friction joint.
+    Clings { joint: usize },
+    /// The body starts to slip on the driven surface that held it.
+    Slips { joint: usize },
     /// A friction joint changes to this regime of its law.
     Regime { joint: usize, regime: Regime },
 }

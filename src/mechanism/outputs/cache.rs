@@ -5,6 +5,7 @@ use crate::mechanism::definition::MOST_STATES;
 use crate::mechanism::dynamics::equation::Scratch;
 
 use crate::mechanism::dynamics::inputs::Change;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::Loading;
 use crate::mechanism::motion::contact::Place;
 use crate::mechanism::outputs::evaluator::OutputError;
@@ -101,6 +102,8 @@ pub struct Forces<N> {
     pub direction: f64,
     /// Place at which the mechanism is held.
     pub held: Option<Place>,
+    /// Regime of the friction on a driven surface at a slip speed of 0.
+    pub surface: Option<Regime>,
     /// Whether the rigid stop there holds the mechanism; else a lock.
     pub by_stop: bool,
 }
@@ -167,6 +170,8 @@ pub struct Direction<N> {
     pub along: [f64; 2],
     /// Derivatives along s of the components of a circuit or network.
     pub circuit: [f64; CAPACITY],
+    /// Derivative along s of the acceleration of a driven surface [m/s2].
+    pub surface: f64,
     /// du / d s of the Real inputs; none where nothing changes.
     pub rates: Vec<f64>,
     /// As many zeros: the second derivatives of the inputs along s.
@@ -176,7 +181,8 @@ pub struct Direction<N> {
 impl<N: Number> Direction<N> {
     /// A direction along s in which nothing changes yet.
     pub fn new(s: N, inputs: usize) -> Self {
-        Self { s, along: [0.0; 2], circuit: [0.0; CAPACITY], rates: vec![0.0; inputs], zeros: vec![0.0; inputs] }
+        let (rates, zeros) = (vec![0.0; inputs], vec![0.0; inputs]);
+        Self { s, along: [0.0; 2], circuit: [0.0; CAPACITY], surface: 0.0, rates, zeros }
     }
 
     /// A Real input, from its value.

@@ -290,7 +290,7 @@ impl ReducedMotion {
         seeds: &dyn Fn(usize) -> f64,
     ) {
         let direction = self.direction(reduced, inputs);
-        (direction.along, direction.circuit) = ([along[0], along[1]], [0.0; CAPACITY]);
+        (direction.along, direction.circuit, direction.surface) = ([along[0], along[1]], [0.0; CAPACITY], 0.0);
         direction.circuit[..MOST_STATES - 2].copy_from_slice(&along[2..]);
         direction.rates.iter_mut().enumerate().for_each(|(i, rate)| *rate = seeds(i));
         if self.driven.is_some() {
@@ -306,6 +306,7 @@ impl ReducedMotion {
         let direction = self.direction(reduced, inputs);
         (direction.along, direction.circuit) = (along, circuit);
         direction.rates.copy_from_slice(&inputs.signal.first);
+        direction.surface = reduced.loading().surface_that_holds().map_or(0.0, |own| inputs.signal.second[own]);
         if self.driven.is_some() {
             self.drive_along(reduced, inputs, true);
         }

@@ -8,6 +8,7 @@ use crate::mechanism::dynamics::equation::{EquationOfMotion, Scratch};
 use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::linkage::Kind;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
@@ -67,14 +68,16 @@ impl Reading for f64 {
         let mut motion = view.equation()?;
         let free = motion.settle(sigma, sigma_dot)?;
         let direction = motion.mode.direction;
-        let forces = Forces { acceleration: free, free, direction, held: None, by_stop: false };
+        let surface = motion.clinging().and_then(|(joint, _)| motion.scratch.evaluator.regimes[joint]);
+        let forces = Forces { acceleration: free, free, direction, held: None, surface, by_stop: false };
         if contact.at_rest().is_none() {
             return Ok(forces);
         }
         match contact.holder(&state.ends(reduced, locks), free) {
             Some((place, holder)) => {
                 let free = pressing(&mut motion, direction, sigma)?.unwrap_or(free);
-                Ok(Forces { acceleration: 0.0, free, direction, held: Some(place), by_stop: holder == Holder::Stop })
+                let by_stop = holder == Holder::Stop;
+                Ok(Forces { acceleration: 0.0, free, held: Some(place), by_stop, ..forces })
             }
             None => Ok(forces),
         }
@@ -96,25 +99,29 @@ impl Reading for Dual<1> {
         let values = View { reduced, inputs, state, loads, cache, values: () }.forces()?;
         let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
         let mut motion = view.equation()?;
-        let mut free = motion.settle_in(values.direction, sigma, sigma_dot)?;
+        let mut free = match values.surface {
+            Some(regime) => motion.settle_on_surface(regime, values.direction, [sigma, sigma_dot])?,
+            None => motion.settle_in(values.direction, sigma, sigma_dot)?,
+        };
         let mut acceleration = free;
         if values.held.is_some() {
             acceleration = Self::constant(0.0);
             free = pressing(&mut motion, values.direction, sigma)?.unwrap_or(free);
         }
-        let Forces { direction, held, by_stop, .. } = values;
-        Ok(Forces { acceleration, free, direction, held, by_stop })
+        let Forces { direction, held, surface, by_stop, .. } = values;
+        Ok(Forces { acceleration, free, direction, held, surface, by_stop })
     }
 }
 
 /// Acceleration of a mechanism at rest without the stop or lock that holds it, if it would start in this direction
-/// against friction that sticks: static friction carries its part of the loads. None without such friction.
+/// against friction that sticks: static friction carries its part of the loads. None without such friction,
+/// and with a driven surface, which decides on its friction alone.
 fn pressing<N: Differentiable>(
     motion: &mut EquationOfMotion<'_, N>,
     direction: f64,
     sigma: N,
 ) -> Result<Option<N>, OutputError> {
-    if direction == 0.0 || !motion.sticks() {
+    if direction == 0.0 || !motion.sticks() || motion.clinging().is_some() {
         return Ok(None);
     }
     Ok(Some(motion.setting_off(sigma, direction)?))
@@ -170,6 +177,11 @@ impl<'a, N: Reading> View<'a, N> {
         if controllers.is_some() {
             scratch.set_controllers(controllers);
         }
+        if let Some(surface) = state_loads.and_then(|own| own.friction_joints[own.clings?].surface) {
+            let rate = inputs.signal.first[surface];
+            scratch.set_side(state.contact.surface().map(|[side, _]| side));
+            scratch.set_surface([direction.s.chain(rate, direction.surface), N::constant(0.0)]);
+        }
         let of_step = if N::CARRIES { None } else { state.panel_force(scratch.air) };
         let mut equation = EquationOfMotion::new(reduced, (reduced, state_loads), applied, scratch);
         equation.scratch.panel_force.share(of_step, state.sigma);
@@ -195,9 +207,14 @@ impl<'a, N: Reading> View<'a, N> {
         Ok(forces)
     }
 
-    /// Whether friction holds the mechanism at rest: the loads overcome it in neither direction, or friction has no
-    /// solution in one.
+    /// Whether friction holds the mechanism at the speed of a driven surface or at rest: there the loads overcome it in
+    /// neither direction, or friction has no solution in one.
     pub fn sticking(&mut self) -> bool {
+        if self.reduced.loading().surface_that_holds().is_some()
+            && let Ok(Forces { surface: Some(Regime::Sticking), .. }) = self.forces()
+        {
+            return true;
+        }
         if self.state.sigma_dot != 0.0 {
             return false;
         }

@@ -45,8 +45,10 @@ pub struct StateLoads {
     pub controllers: usize,
     /// Limits of controlled drives: index in `laws`, index in the limits of the control.
     pub limits: Vec<(usize, usize)>,
-    /// Whether friction holds at rest.
+    /// Whether friction holds at rest, on surfaces that are not driven.
     pub sticks: bool,
+    /// The friction joint whose driven surface can hold its body, so that both move at one speed.
+    pub clings: Option<usize>,
     /// Whether a coupling has losses.
     pub loses: bool,
     /// Whether the right-hand side jumps where sigma_dot changes its sign.
@@ -147,7 +149,8 @@ impl StateLoads {
             None => Vec::new(),
         };
         let loses = friction_joints.iter().any(FrictionJoint::is_loss);
-        let sticks = friction_joints.iter().any(|joint| joint.law.sticks);
+        let sticks = friction_joints.iter().any(|joint| joint.law.sticks && joint.surface.is_none());
+        let clings = friction_joints.iter().position(FrictionJoint::clings);
         let surfaces = loading.air.as_ref().filter(|_| air).map_or(&[][..], |air| &air.surfaces);
         let by_state = |(index, spring): (usize, &Spring)| {
             let load = spring.state_load.filter(|_| spring.damper.is_some() || source.winds(spring))?;
@@ -177,6 +180,7 @@ impl StateLoads {
             controllers: loading.control_states().count(),
             limits,
             sticks,
+            clings,
             loses,
             reverses: sticks || efficient > 0,
             air,

@@ -257,3 +257,43 @@ fn a_conveyor_is_exchanged() {
     }
     assert_eq!(count, 2);
 }
+
+/// A parcel on a spring sticks to its conveyor and slips, each at an event, in steps of 0.2 s that end between events.
+/// A belt that is set to another speed lets the parcel slip, until it has that speed.
+#[test]
+fn a_conveyor_that_holds_its_parcel_is_exchanged() {
+    let text = block(
+        r#", "surface_speed": 0.5"#,
+        r#""gravity": { "acceleration": 9.81, "up_angle": 1.5707963267948966 }, "friction": { "enabled": true,
+        "law": "stick", "static_coefficient": 0.4, "kinetic_coefficient": 0.25, "static_speed": 0, "kinetic_speed": 0 },
+        "springs": { "spring": { "joint": "slide", "stiffness": 50 } }, "forces": { "pull": { "at": "block.origin" } },
+        "start": { "joint": "slide", "position": 0 }"#,
+    );
+    let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
+    run.initialize().unwrap();
+    run.model_mut().listen(true, false);
+    let (mut count, mut told) = (0, 0);
+    let all = ["slide.position", "slide.speed", "slide.slip_speed", "slide.friction_force", "slide.surface_power"];
+    for k in 0..20 {
+        if k == 10 {
+            assert!(run.get("slide.slip_speed").unwrap().abs() < 1e-12);
+            let [input, force, rate] = fmu.vrs(["pull.force_x", "slide.friction_force", "along_curve.acceleration"]);
+            let mut slopes = [f64::NAN; 2];
+            assert_eq!(fmu.derivative(false, &[force, rate], &[input], &[1.0], &mut slopes), Status::Ok);
+            assert!((slopes[0] + 1.0).abs() < 1e-14 && slopes[1].abs() < 1e-14, "{slopes:?}");
+            assert_eq!(fmu.enter_event_mode(), Status::Ok);
+            assert_eq!(fmu.set_reals(&fmu.vrs(["slide.surface_speed"]), &[0.3]), Status::Ok);
+            changes(&fmu);
+            assert_eq!(fmu.enter_continuous_time_mode(), Status::Ok);
+            run.set("slide.surface_speed", 0.3).unwrap();
+        }
+        count += integrate(&fmu, 0.2, 5e-4).len();
+        run.step(0.2).unwrap();
+        told += run.model_mut().take_occurrences(0.0).len();
+        for name in all {
+            let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());
+            assert!((value - exact).abs() < 1e-7 * (1.0 + exact.abs()), "{k} {name}: {value} {exact}");
+        }
+    }
+    assert_eq!((count, told), (7, 7));
+}

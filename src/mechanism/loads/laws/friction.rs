@@ -32,6 +32,18 @@ pub enum Regime {
     Transition(f64),
     /// |v| above V_d: mu is constant. The number is the sign of v.
     Kinetic(f64),
+    /// v is kept 0 on a driven surface: the friction is what that takes, up to mu_S. No speed ends this regime.
+    Sticking,
+}
+
+impl Regime {
+    /// Sign of v; 0 where v has either sign or none.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Static(sign) | Self::Transition(sign) | Self::Kinetic(sign) => sign,
+            Self::Viscous | Self::Sticking => 0.0,
+        }
+    }
 }
 
 impl Law {
@@ -66,6 +78,7 @@ impl Law {
             Regime::Transition(_) => (-high, -low),
             Regime::Kinetic(sign) if sign > 0.0 => (high, f64::INFINITY),
             Regime::Kinetic(_) => (f64::NEG_INFINITY, -high),
+            Regime::Sticking => (f64::NEG_INFINITY, f64::INFINITY),
         }
     }
 
@@ -83,6 +96,7 @@ impl Law {
             Regime::Transition(sign) => Regime::Transition(-sign),
             Regime::Kinetic(sign) if self.kinetic_speed > 0.0 => Regime::Transition(sign),
             Regime::Kinetic(sign) => Regime::Kinetic(-sign),
+            Regime::Sticking => self.regime_towards(0.0, v),
         }
     }
 
@@ -106,6 +120,7 @@ impl Law {
                 terms: [low, 0.0, 3.0 * (high - low), -2.0 * (high - low)].map(|term| sign * term),
             },
             Regime::Kinetic(sign) => Cubic { from: 0.0, rate: 0.0, terms: [sign * high, 0.0, 0.0, 0.0] },
+            Regime::Sticking => Cubic::default(),
         }
     }
 }

@@ -108,6 +108,11 @@ impl FrictionJoint {
         matches!(self.kind, FrictionKind::Coupling | FrictionKind::Screw { .. })
     }
 
+    /// Whether its driven surface can hold its body.
+    pub fn clings(&self) -> bool {
+        self.law.sticks && self.surface.is_some() && self.radius != 0.0
+    }
+
     /// Whether it follows from one component of a reaction, whose sign can be held.
     pub fn has_normal_force(&self, linkage: &Linkage) -> bool {
         let is_pin = linkage.joints.get(self.joint).is_some_and(|joint| joint.freedom == Freedom::Revolute);
@@ -279,9 +284,7 @@ impl Loading {
             let (load, law) = (self.loads.len(), law(format_args!("joints.{name}"), own)?);
             let input = defined.surface_speed.map(|_| surface_speed(name));
             if input.is_some() && sticks {
-                let message = "needs a friction law without sticking, but friction.law = \"stick\": write \"law\": \
-                               \"viscous\" with a small static_speed in friction, or remove this key";
-                return Err(DefinitionError::key(format_args!("joints.{name}.surface_speed"), message));
+                check_surface(mechanism, name, friction_joints.iter().find(|own| own.surface.is_some()))?;
             }
             let surface = input.and_then(|input| self.inputs.iter().position(|name| *name == input));
             friction_joints.push(FrictionJoint { joint, load, radius, kind, back, law, surface });
@@ -338,6 +341,25 @@ fn check_law(mechanism: &Mechanism, what: &str, key: fmt::Arguments) -> Result<(
          remove this key"
     );
     Err(DefinitionError::key(key, message))
+}
+
+/// Refuse a driven surface that can hold its body together with what cannot be computed while it does.
+fn check_surface(mechanism: &Mechanism, name: &str, other: Option<&FrictionJoint>) -> Result<(), DefinitionError> {
+    let other = other.and_then(|own| mechanism.joints.names().get(own.joint).copied());
+    let what = match (other, mechanism.motion_drive()) {
+        (Some(other), _) => format!("joints.{other}.surface_speed: only 1 joint can have a driven surface"),
+        (None, Some((_, drive, _))) => format!("actuators.{drive}.motion: the motion must not be prescribed"),
+        (None, None) if mechanism.has_hydraulics() => "hydraulics: no hydraulic circuit is possible".to_owned(),
+        (None, None) if mechanism.control_states().next().is_some() => {
+            "the key `control` of a drive: no controller with a state is possible".to_owned()
+        }
+        (None, None) => return Ok(()),
+    };
+    let message = format!(
+        "does not agree with {what} where friction.law = \"stick\"; write \"law\": \"viscous\" with a small \
+         static_speed in friction, or remove this key"
+    );
+    Err(DefinitionError::key(format_args!("joints.{name}.surface_speed"), message))
 }
 
 /// The error for a law that sticks with less static than kinetic friction: a mechanism that breaks away would stick at

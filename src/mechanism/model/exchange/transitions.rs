@@ -2,6 +2,8 @@
 //!
 //! In: the states at the last event and now. Out: values of indicators, the next transition. It must not know how a
 //! transition is made.
+use crate::mechanism::dynamics::is_still;
+use crate::mechanism::loads::laws::friction::Regime;
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::motion::contact::{Ends, Place, outward};
 use crate::mechanism::motion::state::State;
@@ -32,6 +34,9 @@ pub enum Transition {
     Touch(usize),
     /// A bumper would pull.
     LetGo(usize),
+    /// On a driven surface of this speed [m/s], the slip has this sign from now on, 0 where the surface holds its body,
+    /// which has this speed along the curve.
+    Surface { side: f64, surface: f64, speed: f64 },
     /// The speed passes 0, and the drives or sticking friction hold the mechanism there.
     Halt,
 }
@@ -59,6 +64,67 @@ fn press(view: &mut View<f64>, ends: &Ends, place: Place) -> Result<Option<f64>,
         None if contact.at_rest() == Some(place) => Some(view.forces()?.free * place.outward() - least),
         _ => None,
     })
+}
+
+/// Slip speed on a driven surface that can hold its body at a speed along the curve, the speed of the surface, and the
+/// speed along the curve without slip; none without such a surface.
+fn slip(view: &mut View<f64>, v: f64) -> Result<Option<[f64; 3]>, OutputError> {
+    if view.reduced.loading().surface_that_holds().is_none() {
+        return Ok(None);
+    }
+    let (sigma, mut equation) = (view.state.sigma, view.equation()?);
+    Ok(equation.along_surface(sigma).map(|[slip, speed]| [slip * v - speed, speed, speed / slip]))
+}
+
+/// How far the friction that holds a body on its driven surface is beyond its limit, forward and backward [N or N.m].
+fn beyond_hold(view: &mut View<f64>) -> Result<[f64; 2], OutputError> {
+    let direction = view.forces()?.direction;
+    let (state, mut equation) = ([view.state.sigma, view.state.sigma_dot], view.equation()?);
+    equation.mode.direction = direction;
+    let joint = equation.clinging().map(|(joint, _)| joint);
+    Ok(joint.map_or(Ok([f64::NEG_INFINITY; 2]), |joint| equation.beyond_hold(joint, state))?)
+}
+
+/// Sign of the slip that follows on a driven surface without slip, at this speed along the curve; 0 where the surface
+/// holds its body.
+fn side_from(view: &mut View<f64>, speed: f64) -> Result<f64, OutputError> {
+    let (sigma, mut equation) = (view.state.sigma, view.equation()?);
+    equation.scratch.set_side(None);
+    equation.mode.direction = match speed {
+        0.0 if equation.reverses() => equation.start_direction(sigma, 0.0)?,
+        0.0 => 0.0,
+        speed => speed.signum(),
+    };
+    equation.cling(sigma, speed)?;
+    let joint = equation.clinging().map(|(joint, _)| joint);
+    Ok(joint.and_then(|joint| equation.scratch.evaluator.regimes[joint]).map_or(0.0, Regime::sign))
+}
+
+/// Whether a driven surface starts or ceases to hold its body at a speed v, or the slip changes its sign.
+fn on_surface(view: &mut View<f64>, last: f64, v: f64) -> Result<Option<Transition>, OutputError> {
+    let Some([slip, surface, speed]) = slip(view, v)? else { return Ok(None) };
+    let shift = PLACE_SHIFT * view.reduced.scale();
+    let known = view.state.contact.surface().filter(|[_, known]| *known == surface).map(|[side, _]| side);
+    let (side, speed) = match known {
+        Some(0.0) => {
+            let [forward, back] = beyond_hold(view)?;
+            if forward <= 0.0 && back <= 0.0 {
+                return Ok(None);
+            }
+            (if forward > back { -1.0 } else { 1.0 }, speed)
+        }
+        Some(side) if slip * side + shift >= 0.0 => return Ok(None),
+        // At a dead centre of the slip, a mechanism that moves has no slip on a surface at rest.
+        Some(side) if surface == 0.0 && last * v > 0.0 => (-side, v),
+        // The slip speed has passed 0.
+        Some(side) => match side_from(view, speed)? {
+            0.0 => (0.0, speed),
+            _ => (-side, v),
+        },
+        None if is_still(slip, surface) => (side_from(view, speed)?, speed),
+        None => (slip.signum(), v),
+    };
+    Ok(Some(Transition::Surface { side, surface, speed }))
 }
 
 /// The first place at which a lock that waits for the force of the stop is to engage.
@@ -154,6 +220,17 @@ pub fn value_of(
                 (table.value(position, 1) * v * joint.radius - surface).abs() - border
             }
             _ => ABSENT,
+        },
+        Indicator::Surface(_) => match state.contact.surface() {
+            _ if rest.is_some() => ABSENT,
+            Some([0.0, _]) => {
+                let [forward, back] = beyond_hold(view)?;
+                PRESS_SHIFT - forward.max(back)
+            }
+            known => {
+                let side = known.map_or(0.0, |[side, _]| side);
+                slip(view, v)?.map_or(ABSENT, |[slip, ..]| slip + side * shift)
+            }
         },
         Indicator::DriveSign(load) => {
             let switch = |s: &StateLoads| s.drives[..s.efficient].iter().position(|drive| *drive == load);
@@ -269,6 +346,11 @@ pub fn transition(
             });
             return Ok(Some(met.map_or(Transition::Touch(k), |side| Transition::Arrive(Place::of_bumper(side, k)))));
         }
+    }
+    if state.contact.at_rest().is_none()
+        && let Some(transition) = on_surface(view, last[1], v)?
+    {
+        return Ok(Some(transition));
     }
     if last[1] * v < 0.0 {
         let sigma = state.sigma;

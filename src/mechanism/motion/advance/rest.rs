@@ -36,7 +36,7 @@ impl EquationOfMotion<'_> {
             let beyond_borders =
                 surfaces.filter_map(|own| Some((own.law, own.surface?))).flat_map(move |(law, surface)| {
                     let [speed, first, second] = of(surface);
-                    let borders = [-law.kinetic_speed, -law.static_speed, law.static_speed, law.kinetic_speed];
+                    let borders = [-law.kinetic_speed, -law.static_speed, 0.0, law.static_speed, law.kinetic_speed];
                     borders.map(|border| [speed - border, first, second])
                 });
             let efficient = deciding.clone().flat_map(|own| own.drives[..own.efficient].iter().map(move |k| (own, *k)));
@@ -66,6 +66,7 @@ where
     #[inline(always)]
     pub(super) fn rest(&mut self, place: Place, z: &mut [f64; N], span: f64) -> Result<Instant, Stopped> {
         let sigma = z[0];
+        self.state_rates();
         if self.contact.is_latched() {
             if Self::EVOLVES_AT_REST {
                 self.go_on_at_rest(z, span, &[])?;
@@ -146,6 +147,8 @@ where
         const CLOSE: f64 = 1e-15;
         /// Least number of pieces of a span with friction at rest.
         const PIECES: f64 = 8.0;
+        /// Part of a piece at its ends, where friction on a driven surface may jump, that is taken as what is within.
+        const NEAR: f64 = 1e-9;
         let sigma = z[0];
         let ways = if ways[1][1].is_finite() { &ways[..] } else { &ways[..1] };
         if Self::EVOLVES_AT_REST {
@@ -156,15 +159,17 @@ where
         }
         let from = self.progress.t;
         let rubs = self.dynamics.sticks() || self.dynamics.state_loads.is_some_and(|own| own.surfaces > 0);
-        let longest = if rubs { (span - from) / PIECES } else { f64::INFINITY };
+        let turns = self.clinging().is_some();
+        let longest = if rubs || turns { (span - from) / PIECES } else { f64::INFINITY };
         let mut a = from;
         while a < span {
             let b = self.next_switch(a, span).min(a + longest);
             let mut first = None;
             for [direction, least] in ways {
                 let dynamics = &mut *self.dynamics;
+                let near = if turns { NEAR * (b - a) } else { 0.0 };
                 let excess = |t: f64| {
-                    dynamics.time = t;
+                    dynamics.time = t.clamp(a + near, b - near);
                     Ok::<f64, Locked>(dynamics.setting_off(sigma, *direction)? * direction - least)
                 };
                 let rise = first_rise_of_quartic(excess, [a, b], CLOSE * (span - from))?;

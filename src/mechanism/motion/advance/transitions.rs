@@ -56,13 +56,19 @@ where
         }
         if let Some(state_loads) = self.dynamics.deciding::<N>() {
             if settles {
+                self.state_rates();
                 self.dynamics.set_regimes(z[0], z[1]);
             }
             if state_loads.reverses && self.dynamics.find_direction(z[0], z[1])? == 0.0 {
                 return self.wait_at_rest(z, span);
             }
-            if settles && state_loads.switches() > 0 {
-                self.dynamics.find_signs(self.progress.t, z)?;
+            if settles {
+                if state_loads.clings.is_some() {
+                    self.settle_on_surface(z)?;
+                }
+                if state_loads.switches() > 0 {
+                    self.dynamics.find_signs(self.progress.t, z)?;
+                }
             }
         }
         Ok(Instant::Moves)
@@ -84,6 +90,7 @@ where
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
             Event::Border(_) | Event::Knot(_) => {}
+            Event::Regime(joint) if self.clinging().is_some() && self.turn_on_surface(joint, z)? => {}
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
@@ -99,6 +106,9 @@ where
                 self.progress.held = at_once.then_some(event);
             }
             Event::Reversal => {
+                if self.clinging().is_some() {
+                    self.turn_with_surface(z);
+                }
                 self.jumped();
                 self.progress.work.reversals += 1;
                 z[1] = 0.0;
@@ -155,6 +165,7 @@ where
     pub(super) fn meet(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.dynamics.time = 0.0;
         self.dynamics.set_state(z);
+        self.state_rates();
         self.dynamics.mode.touching = self.contact.touching();
         self.jumped();
         self.impact(place, z)

@@ -5,9 +5,10 @@
 use super::REGIME_TOLERANCE;
 use crate::integrator::{Dense, Step};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::loads::friction_loop::Locked;
 use crate::numerics::bracket::false_position;
 use crate::numerics::enclosure::{Enclosure, Interval};
-use crate::numerics::passage::Bounded;
+use crate::numerics::passage::{Bounded, first_rise_of_quartic};
 use crate::numerics::table::{TablePosition, polynomial};
 use std::cell::RefCell;
 
@@ -72,6 +73,10 @@ impl EquationOfMotion<'_> {
     /// How far the slip speed of a joint is beyond the range of its regime at a time of the span [m/s].
     pub(super) fn excess_of_slip(&mut self, joint: usize, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         self.time = t;
+        if self.is_held(joint) {
+            let beyond = self.beyond_hold(joint, [sigma, sigma_dot]).unwrap_or([f64::NAN; 2]);
+            return beyond[0].max(beyond[1]);
+        }
         let ((low, high), v) = (self.slip_range(joint), self.slip(joint, sigma, sigma_dot));
         (low - v).max(v - high)
     }
@@ -107,6 +112,9 @@ impl SlipBounds {
     /// from a straight line; without rates the bounds of the slip speed for all states of the step.
     pub fn may_leave(&self, dynamics: &EquationOfMotion<'_>, joint: usize) -> bool {
         const MARGIN: f64 = 0.5;
+        if dynamics.is_held(joint) {
+            return true;
+        }
         let (low, high) = dynamics.slip_range(joint);
         let (h, ends) = match self {
             Self::Cubic(h, ends) => (h, *ends),
@@ -133,6 +141,9 @@ pub(super) fn passage_of_slip<const N: usize>(
     dense: &Dense<N>,
 ) -> Option<f64> {
     const PARTS: usize = 8;
+    if dynamics.is_held(joint) {
+        return end_of_hold(dynamics, joint, step, dense);
+    }
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
     let time = |s: f64| step.t + s * step.h;
@@ -149,4 +160,29 @@ pub(super) fn passage_of_slip<const N: usize>(
         |f: &mut dyn FnMut(f64) -> f64, a: (f64, f64), b: (f64, f64)| false_position(f, a, b, REGIME_TOLERANCE);
     // The start is within the range, but for rounding.
     Bounded { f, bounds, locate }.first_rise(f(0.0).min(0.0), PARTS)
+}
+
+/// Part of a step after which the friction that holds a body on its driven surface exceeds its limit: the first rise of
+/// quartics through the friction, forward and backward, over parts of the step, located on the friction itself.
+#[cold]
+fn end_of_hold<const N: usize>(
+    dynamics: &mut EquationOfMotion<'_>,
+    joint: usize,
+    step: &Step<N>,
+    dense: &Dense<N>,
+) -> Option<f64> {
+    const PARTS: usize = 4;
+    let border = |part: usize| part as f64 / PARTS as f64;
+    (0..PARTS).find_map(|part| {
+        let mut rise = |way: usize| {
+            let beyond = |s: f64| {
+                dynamics.time = step.t + s * step.h;
+                let z = dense.at(s);
+                dynamics.set_state(&z);
+                Ok::<f64, Locked>(dynamics.beyond_hold(joint, [z[0], z[1]])?[way])
+            };
+            first_rise_of_quartic(beyond, [border(part), border(part + 1)], REGIME_TOLERANCE).unwrap_or(None)
+        };
+        [rise(0), rise(1)].into_iter().flatten().reduce(f64::min)
+    })
 }
