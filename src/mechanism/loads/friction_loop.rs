@@ -76,7 +76,7 @@ pub struct FrictionLoop<T> {
     matrix: Vec<f64>,
     /// Derivatives of |R_i| with respect to u and to the components x and y of P_g.
     direction: Vec<[f64; 3]>,
-    /// Number of iterations of the last solution.
+    /// Number of matrices in the last solution, one for each iteration without a kept inverse.
     pub iterations: u32,
     /// What friction adds to the three unknowns of one group within a step.
     prediction: Prediction,

@@ -12,8 +12,6 @@ pub struct Kept {
     /// Its rows, one after the other, each with zeros up to a whole block.
     inverse: Vec<f64>,
     pub is_known: bool,
-    /// Largest ratio of a correction to the one before since it was computed.
-    ratio: Option<f64>,
     /// Magnitudes s, and |R(B s)| - s, with zeros up to a whole block.
     size: Vec<f64>,
     rest: Vec<f64>,
@@ -49,23 +47,24 @@ impl<T: Number> FrictionLoop<T> {
     #[inline(always)]
     fn correct_until_exact(&mut self, balance: &Balance<T>) -> bool {
         /// Sum of the errors that are left, relative to the largest reaction.
-        const EXACT: f64 = 4e-15;
-        /// Factor on the largest ratio seen, for the ratio of the first correction to one that is not known.
-        const DOUBT: f64 = 10.0;
+        const EXACT: f64 = 2e-16;
+        /// Sum of corrections that are rounding.
+        const ROUNDING: f64 = 4e-15;
         /// Number of further corrections for which another inverse is worth its cost.
         const WORTH: i32 = 5;
         const MOST: u32 = 12;
+        self.iterations = 0;
         let mut renews = !self.kept.is_known;
         self.kept.is_known = self.of_sizes.is_in_step();
         self.kept.size.iter_mut().zip(&self.size).for_each(|(own, size)| *own = size.value());
         let mut before = f64::INFINITY;
         for iteration in 1..=MOST {
-            self.iterations = iteration;
             let scale = self.find_rest(balance);
             if renews {
+                self.iterations += 1;
                 self.renew(balance);
             }
-            let Kept { inverse, ratio: largest, size, rest, .. } = &mut self.kept;
+            let Kept { inverse, size, rest, .. } = &mut self.kept;
             let mut change = 0.0;
             for (size, row) in size.iter_mut().zip(inverse.chunks_exact(rest.len())) {
                 let correction = inner(row, rest);
@@ -76,16 +75,13 @@ impl<T: Number> FrictionLoop<T> {
             if !change.is_finite() {
                 break;
             }
-            let ratio = if iteration > 1 { change / before } else { largest.unwrap_or(1.0) };
-            let doubt = if iteration > 1 || largest.is_none() { 1.0 } else { DOUBT };
-            if iteration > 1 && !renews {
-                *largest = Some(greater(ratio, largest.unwrap_or(0.0)));
-            }
-            if change * (doubt * ratio).min(1.0) <= EXACT {
+            // Of the first correction no ratio is known.
+            let ratio = if iteration > 1 { change / before } else { 1.0 };
+            if change <= ROUNDING || change * ratio <= EXACT {
                 self.size.iter_mut().zip(&*size).for_each(|(size, own)| *size = T::constant(*own));
                 return true;
             }
-            renews = change * ratio.powi(WORTH) > EXACT;
+            renews = iteration > 1 && change * ratio.powi(WORTH) > EXACT;
             before = change;
         }
         self.kept.is_known = false;
@@ -130,9 +126,8 @@ impl<T: Number> FrictionLoop<T> {
     /// other elements, so that Gauss and Jordan's elimination needs no pivoting.
     #[inline(always)]
     fn renew(&mut self, balance: &Balance<T>) {
-        let Kept { inverse, ratio, size, .. } = &mut self.kept;
+        let Kept { inverse, size, .. } = &mut self.kept;
         let (n, wide) = (self.size.len(), size.len());
-        *ratio = None;
         for ((i, row), [u, x, y]) in inverse.chunks_exact_mut(wide).enumerate().zip(&self.direction) {
             let of = 1 + 2 * balance.groups[i];
             let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * wide..][..wide]);
