@@ -79,8 +79,8 @@ where
         })
     }
 
-    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step. `after`: the
-    /// state just after it, were there no event.
+    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step. `after`:
+    /// the state just after it on the interpolant.
     #[inline(never)]
     pub(super) fn apply_event(
         &mut self,
