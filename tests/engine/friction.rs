@@ -1,7 +1,7 @@
 //! Joint friction of the gear of [HF08]: slip speeds, time of retraction, errors at kinks, stiffness; a rod with
 //! friction.
 
-use crate::support::Run;
+use crate::support::{MAIN_GEAR, Run};
 use linkage_fmu::integrator::Method;
 
 fn gear(values: &[(&str, f64)]) -> Run {
@@ -147,4 +147,16 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
     (0..100).for_each(|_| run.step(1e-3));
     let (drift, speed) = (run.get("energy.drift"), run.get("rod.speed"));
     assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
+}
+
+/// Where the brace of a landing gear is in line, seven joints come to rest together: they change their regime together.
+#[test]
+fn joints_that_rest_together_change_their_regime_together() {
+    let mut gear = Run::new(MAIN_GEAR).started();
+    gear.steps(13, 0.013);
+    let before = gear.statistics().evaluations;
+    gear.step(1e-3);
+    // 105 with one change for each joint.
+    let needed = gear.statistics().evaluations - before;
+    assert!(needed <= 75, "{needed} evaluations");
 }

@@ -32,6 +32,7 @@ pub const FOUR_BAR: &str = mechanism!("FourBar");
 pub const GEAR: &str = mechanism!("LandingGearRetraction");
 pub const HYDRAULIC_GEAR: &str = mechanism!("LandingGearRetractionHydraulic");
 pub const JIB: &str = mechanism!("Jib");
+pub const MAIN_GEAR: &str = mechanism!("MainGear");
 pub const SL_CRANK: &str = mechanism!("SlCrank");
 pub const SLIDER_CRANK: &str = mechanism!("SliderCrank");
 pub const SMOOTH: &str = mechanism!("SmoothRetraction");

@@ -4,11 +4,13 @@
 //! friction. It must not know bodies, joints or the law of friction. Source: [HF08] section 4, eqs. (26), (27).
 mod any;
 mod carried;
+mod contraction;
 mod one_group;
 mod prediction;
 
 use crate::numerics::dual::Number;
 use carried::Values;
+use contraction::Kept;
 use prediction::Prediction;
 use std::fmt;
 
@@ -59,7 +61,7 @@ pub struct FrictionLoop<T> {
     pub constant: usize,
     /// Of losses of couplings: whether power flows back, for which `arm` then is.
     pub flows_back: Vec<bool>,
-    /// B: derivative of each unknown with respect to |R_j|.
+    /// B: derivative of each unknown with respect to |R_j|. Rows have zeros up to a whole block.
     effect: Vec<T>,
     unknown: Vec<T>,
     /// Determinant of the last correction.
@@ -74,12 +76,14 @@ pub struct FrictionLoop<T> {
     matrix: Vec<f64>,
     /// Derivatives of |R_i| with respect to u and to the components x and y of P_g.
     direction: Vec<[f64; 3]>,
-    /// Number of iterations of the last solution.
+    /// Number of matrices in the last solution, one for each iteration without a kept inverse.
     pub iterations: u32,
     /// What friction adds to the three unknowns of one group within a step.
     prediction: Prediction,
     /// What friction adds to the magnitudes of many joints within a step.
     of_sizes: Prediction<Vec<f64>>,
+    /// Inverse of the equations of many joints within a step.
+    kept: Kept,
     /// The loop of the values alone, for numbers that carry derivatives.
     values: Option<Box<Values>>,
 }
@@ -102,6 +106,9 @@ const CONVERGED: f64 = 1e-14;
 /// that is not connected with the frictionless one.
 const FEW: u32 = 4;
 
+/// Number of elements that a processor multiplies at once.
+const BLOCK: usize = 4;
+
 impl<T: Number> FrictionLoop<T> {
     /// Solver for n joints in a number of groups.
     #[inline(never)]
@@ -115,7 +122,7 @@ impl<T: Number> FrictionLoop<T> {
             has_normal_forces: false,
             constant: 0,
             flows_back: vec![false; n],
-            effect: vec![zero; unknowns * n],
+            effect: vec![zero; unknowns * n.next_multiple_of(BLOCK)],
             unknown: vec![zero; unknowns],
             determinant: 1.0,
             change: vec![0.0; unknowns],
@@ -127,20 +134,28 @@ impl<T: Number> FrictionLoop<T> {
             iterations: 0,
             prediction: Prediction::default(),
             of_sizes: Prediction::<Vec<f64>>::new(n),
+            kept: Kept::new(if T::CARRIES { 0 } else { n }),
             values: T::CARRIES.then(|| Box::new(Values::new(n, groups))),
         }
+    }
+
+    /// Number of elements of a row of B.
+    fn wide(&self) -> usize {
+        self.arm.len().next_multiple_of(BLOCK)
     }
 
     /// A step begins.
     pub fn begin_step(&mut self) {
         self.prediction.begin();
         self.of_sizes.begin();
+        self.kept.is_known = false;
     }
 
     /// No step is being made.
     pub fn end_step(&mut self) {
         self.prediction.end();
         self.of_sizes.end();
+        self.kept.is_known = false;
     }
 
     /// Friction M_j of the last solution.

@@ -8,7 +8,7 @@ use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends};
-use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event};
+use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event, just_after};
 use crate::mechanism::motion::step_ahead::{Lookahead, StepAhead};
 use crate::mechanism::motion::witness::Witness;
 use crate::mechanism::motion::work::Work;
@@ -165,7 +165,7 @@ where
                 self.keep_on_surface(z);
             }
             self.refine(dense.is_some(), h);
-            self.transition(found.as_ref(), z)?;
+            self.transition(found.as_ref().zip(dense.as_ref()), z)?;
             if found.is_none() && step.reached && !aim.is_cut {
                 break;
             }
@@ -279,13 +279,16 @@ where
         }
     }
 
-    /// The transition at the end of a step or of its part up to an event, at the state z.
+    /// The transition at the end of a step or of its part up to an event on its interpolant, at the state z.
     #[inline(always)]
-    fn transition(&mut self, found: Option<&Found<N>>, z: &mut [f64; N]) -> Result<(), Stopped> {
+    fn transition(&mut self, found: Option<(&Found<N>, &Dense<N>)>, z: &mut [f64; N]) -> Result<(), Stopped> {
         self.progress.held = None;
         self.dynamics.set_state(z);
         match found {
-            Some(found) => self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z),
+            Some((found, dense)) => {
+                let after = just_after(z, dense, found.part);
+                self.apply_event(found.event, found.part <= REGIME_TOLERANCE, z, &after)
+            }
             None => Ok(()),
         }
     }
@@ -310,7 +313,7 @@ where
         self.progress.t = ahead.rest();
         self.progress.is_settled = true;
         self.dynamics.mode.touching = self.contact.touching();
-        let (middle, event) = (ahead.middle(), ahead.event);
+        let (middle, event, after) = (ahead.middle(), ahead.event, just_after(z, &ahead.dense, ahead.end / ahead.h));
         if let Some(state_loads) = self.dynamics.deciding::<N>() {
             self.dynamics.set_regimes(middle[0], middle[1]);
             if state_loads.switches() > 0 {
@@ -322,7 +325,7 @@ where
         self.dynamics.set_state(z);
         self.lookahead.step_ahead = None;
         if let Some(event) = event {
-            self.apply_event(event, false, z)?;
+            self.apply_event(event, false, z, &after)?;
         }
         Ok(false)
     }

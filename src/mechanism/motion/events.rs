@@ -354,6 +354,12 @@ where
     }
 }
 
+/// The state just after the state z at a part of a step, on the interpolant: later by what locates changes of regimes.
+pub fn just_after<const N: usize>(z: &[f64; N], dense: &Dense<N>, part: f64) -> [f64; N] {
+    let [at, after] = [part, part + 2.0 * REGIME_TOLERANCE].map(|part| dense.at(part));
+    std::array::from_fn(|n| z[n] + (after[n] - at[n]))
+}
+
 /// The knot that the motion comes to first from the start of a step.
 #[inline(always)]
 fn knot_ahead<const N: usize>(dynamics: &EquationOfMotion<'_>, step: &Step<N>) -> Option<f64> {

@@ -29,27 +29,30 @@ impl<T: Number> FrictionLoop<T> {
         }
         if self.constant > 0 {
             // From the reactions under the friction that is known before.
-            let known = n - self.constant;
-            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
-                *unknown = total(&row[known..], &self.size[known..]);
+            let (known, wide) = (n - self.constant, self.wide());
+            for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(wide)) {
+                *unknown = total(&row[known..n], &self.size[known..]);
             }
             for j in 0..known {
                 self.size[j] = self.measure(j, self.reaction(j, balance));
             }
         }
         self.keep_sizes();
-        let contracts = self.contracts(balance);
         // A solution that is not unique is found from the frictionless one.
-        if contracts {
+        if self.contracts(balance) {
             self.of_sizes.add_to(t, &mut self.size);
+            if self.contract(balance) {
+                self.of_sizes.learn(t, &self.size, &self.last);
+                return Ok(());
+            }
+            self.take_sizes();
         }
-        if self.newton(balance, 1.0, FEW) && (contracts || self.is_near()) {
-            self.of_sizes.learn(t, &self.size, &self.last);
+        if self.newton(balance, 1.0, FEW) && self.is_near() {
             return Ok(());
         }
         let (mut part, mut more, mut determinant, mut ends) = (0.0, FIRST, 1.0, false);
         while part < 1.0 {
-            self.size.iter_mut().zip(&self.last).for_each(|(size, last)| *size = T::constant(*last));
+            self.take_sizes();
             let next = f64::min(part + more, 1.0);
             if self.newton(balance, next, MOST) && self.is_near() {
                 // The determinant falls ever faster towards the end, so that its chord vanishes beyond.
@@ -68,8 +71,8 @@ impl<T: Number> FrictionLoop<T> {
 
     /// State B for the present arms. Unknown 0 is u, unknown 1 + axis + 2 g a component of P_g.
     pub(super) fn set_effects(&mut self, balance: &Balance<T>) {
-        let (n, arm) = (self.arm.len(), &self.arm);
-        for (k, row) in self.effect.chunks_exact_mut(n).enumerate() {
+        let (n, wide, arm) = (self.arm.len(), self.wide(), &self.arm);
+        for (k, row) in self.effect.chunks_exact_mut(wide).enumerate() {
             let from = match k.checked_sub(1) {
                 None => balance.influence,
                 Some(k) => &balance.passed[k % 2][k / 2 * n..][..n],
@@ -83,18 +86,24 @@ impl<T: Number> FrictionLoop<T> {
         let n = self.arm.len();
         let largest = balance.inertial[0].iter().zip(balance.inertial[1]).map(|(x, y)| length_bound(*x, *y));
         let largest = largest.fold(0.0, greater);
-        let varying = |rows: &[T]| -> f64 {
-            rows.iter().enumerate().filter(|(k, _)| k % n < n - self.constant).map(|(_, e)| e.value().abs()).sum()
-        };
-        let along = varying(&self.effect[..n]);
-        let group = |rows: &[T]| varying(rows);
-        let passed = self.effect[n..].chunks_exact(2 * n).map(group).fold(0.0, greater);
+        let varying = |row: &[T]| row[..n - self.constant].iter().fold(0.0, |sum, effect| sum + effect.value().abs());
+        let mut rows = self.effect.chunks_exact(self.wide()).map(varying);
+        let along = rows.next().unwrap_or(0.0);
+        let mut passed = 0.0;
+        while let (Some(first), Some(second)) = (rows.next(), rows.next()) {
+            passed = greater(passed, first + second);
+        }
         along * largest + passed < 1.0
     }
 
     /// Keep the magnitudes, for [`Self::is_near`].
     fn keep_sizes(&mut self) {
         self.last.iter_mut().zip(&self.size).for_each(|(last, size)| *last = size.value());
+    }
+
+    /// Take the magnitudes kept last.
+    fn take_sizes(&mut self) {
+        self.size.iter_mut().zip(&self.last).for_each(|(size, last)| *size = T::constant(*last));
     }
 
     /// Whether the magnitudes are near those kept last.
@@ -164,9 +173,9 @@ impl<T: Number> FrictionLoop<T> {
     /// z = part B |R(z)| as well: there the matrix is 1 - part B D, which has the same determinant, and dz = part B ds.
     fn correct(&mut self, balance: &Balance<T>, part: f64) -> Option<f64> {
         let n = self.arm.len();
-        let known = n - self.constant;
-        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
-            *unknown = total(&row[..known], &self.size[..known]) * part + total(&row[known..], &self.size[known..]);
+        let (known, wide) = (n - self.constant, self.wide());
+        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(wide)) {
+            *unknown = total(&row[..known], &self.size[..known]) * part + total(&row[known..n], &self.size[known..]);
         }
         let mut scale = f64::MIN_POSITIVE;
         for i in 0..n {
@@ -177,7 +186,7 @@ impl<T: Number> FrictionLoop<T> {
             let of = 1 + 2 * balance.groups[i];
             let [u, x, y] = self.direction[i].map(|slope| -part * slope);
             let row = &mut self.matrix[i * n..(i + 1) * n];
-            let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * n..(k + 1) * n]);
+            let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * wide..k * wide + n]);
             for (((out, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
                 *out = u * along.value() + x * first.value() + y * second.value();
             }
@@ -187,9 +196,9 @@ impl<T: Number> FrictionLoop<T> {
         if self.determinant.is_nan() || self.determinant <= 0.0 {
             return None;
         }
-        for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(n)) {
+        for (change, row) in self.change.iter_mut().zip(self.effect.chunks_exact(wide)) {
             let of = |sum: f64, (effect, rest): (&T, &T)| sum + effect.value() * rest.value();
-            *change = part * row.iter().zip(&self.rest).fold(0.0, of);
+            *change = part * row[..n].iter().zip(&self.rest).fold(0.0, of);
         }
         let mut error: f64 = 0.0;
         for i in 0..n {

@@ -55,7 +55,8 @@ impl<T: Number> FrictionLoop<T> {
             return self.correct_one_group(balance);
         }
         self.set_effects(balance);
-        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(n)) {
+        let wide = self.wide();
+        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(wide)) {
             *unknown = total(row, &self.size);
         }
         for _ in 0..=u32::from(T::CARRIES_SECOND) {
@@ -107,11 +108,11 @@ impl<T: Number> FrictionLoop<T> {
 
     /// A correction of the unknowns z. With D = d|R| / dz it solves (1 - B D) dz = B |R(z)| - z.
     fn correct_unknowns(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
-        let (n, unknowns) = (self.arm.len(), self.unknown.len());
+        let (n, wide, unknowns) = (self.arm.len(), self.wide(), self.unknown.len());
         for i in 0..n {
             self.size[i] = self.find_size(i, balance);
         }
-        for (k, row) in self.effect.chunks_exact(n).enumerate() {
+        for (k, row) in self.effect.chunks_exact(wide).enumerate() {
             self.rest[k] = total(row, &self.size) - self.unknown[k];
             let matrix = &mut self.matrix[k * unknowns..][..unknowns];
             matrix.fill(0.0);

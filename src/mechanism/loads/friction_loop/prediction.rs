@@ -32,6 +32,11 @@ impl<A> Prediction<A> {
         (self.in_step, self.known) = (false, 0);
     }
 
+    /// Whether a step is being made.
+    pub fn is_in_step(&self) -> bool {
+        self.in_step
+    }
+
     /// Factor of the difference of the last two solutions at the time t [s], on the line through them; none if fewer
     /// are known.
     #[inline(always)]

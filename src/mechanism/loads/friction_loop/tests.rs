@@ -114,7 +114,7 @@ proptest! {
 }
 
 proptest! {
-    /// Within a step the last solutions foresee the next one of many joints: it is found in fewer iterations, and
+    /// Within a step the last solutions foresee the next one of many joints: it is found with fewer matrices, and
     /// differs by rounding from the one that is found without them.
     #[test]
     fn a_prediction_changes_many_joints_by_rounding(numbers in proptest::collection::vec(-1.0..1.0f64, 72)) {

@@ -227,7 +227,7 @@ where
                     *z = shorter.end;
                     z[..2].copy_from_slice(&rest);
                     self.progress.t += shorter.h;
-                    return self.apply_event(found.event, false, z).map(|()| false);
+                    return self.apply_event(found.event, false, z, &found.state).map(|()| false);
                 }
                 end = part;
             }

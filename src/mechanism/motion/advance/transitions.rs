@@ -83,20 +83,37 @@ where
         })
     }
 
-    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step.
+    /// The transition that an event at the state z causes. `at_once`: it came at the very start of its step. `after`:
+    /// the state just after it on the interpolant.
     #[inline(never)]
-    pub(super) fn apply_event(&mut self, event: Event, at_once: bool, z: &mut [f64; N]) -> Result<(), Stopped> {
+    pub(super) fn apply_event(
+        &mut self,
+        event: Event,
+        at_once: bool,
+        z: &mut [f64; N],
+        after: &[f64; N],
+    ) -> Result<(), Stopped> {
         match event {
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
             Event::Border(_) | Event::Knot(_) => {}
             Event::Regime(joint) if self.clinging().is_some() && self.turn_on_surface(joint, z)? => {}
-            Event::Regime(joint) => {
+            Event::Regime(first) => {
                 self.integrator.refresh();
-                self.progress.work.regimes += 1;
                 self.dynamics.time = self.progress.t;
-                self.dynamics.change_regime(joint, z[0], z[1]);
-                self.tell(What::Regime { joint, regime: self.dynamics.regime(joint) });
+                // Where some bodies come to rest together, the slip speeds of all their joints pass 0 at one time.
+                let (count, clings) =
+                    self.dynamics.state_loads.map_or((0, None), |own| (own.friction_joints.len(), own.clings));
+                for joint in 0..count {
+                    // A driven surface decides by its own event.
+                    let follows = clings != Some(joint)
+                        && self.dynamics.excess_of_slip(joint, [self.progress.t, after[0], after[1]]) > 0.0;
+                    if joint == first || follows {
+                        self.progress.work.regimes += 1;
+                        self.dynamics.change_regime(joint, z[0], z[1]);
+                        self.tell(What::Regime { joint, regime: self.dynamics.regime(joint) });
+                    }
+                }
                 self.progress.held = at_once.then_some(event);
             }
             Event::Switch(switch) => {

@@ -71,7 +71,7 @@ impl EquationOfMotion<'_> {
     }
 
     /// How far the slip speed of a joint is beyond the range of its regime at a time of the span [m/s].
-    pub(super) fn excess_of_slip(&mut self, joint: usize, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
+    pub fn excess_of_slip(&mut self, joint: usize, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         self.time = t;
         if self.is_held(joint) {
             let beyond = self.beyond_hold(joint, [sigma, sigma_dot]).unwrap_or([f64::NAN; 2]);
