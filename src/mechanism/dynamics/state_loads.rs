@@ -14,7 +14,7 @@ use crate::mechanism::dynamics::panel_force::{AppliedLoads, PanelForce};
 use crate::mechanism::dynamics::switches::Switches;
 use crate::mechanism::loads::friction_loop::{Balance, FrictionLoop, Locked};
 use crate::mechanism::loads::laws::friction::{Cubic, Regime};
-use crate::mechanism::loads::resolved::FrictionKind;
+use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind};
 use crate::mechanism::reduced::{Reduced, StateLoads};
 use crate::numerics::bundle::{Bundle, ROW, side_by_side_at};
 use crate::numerics::dual::Number;
@@ -382,10 +382,11 @@ impl<T: Number> StateLoadEvaluator<T> {
     ) -> Result<(), Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
+        let on_surfaces = state_loads.surfaces > 0 && !mode.still;
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
-            if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
-                v = v - applied.size(surface, t);
+            if on_surfaces {
+                v = v - surface_speed(friction_joint, applied, t);
             }
             if self.regimes[j].is_none() {
                 let towards = slip.value() * mode.direction;
@@ -406,6 +407,12 @@ impl<T: Number> StateLoadEvaluator<T> {
         }
         Ok(())
     }
+}
+
+/// Speed of the driven surface on which a friction joint slips [m/s]; 0 without one.
+#[cold]
+fn surface_speed<T: Number>(joint: &FrictionJoint, applied: &AppliedLoads, t: T) -> T {
+    joint.surface.map_or(T::constant(0.0), |surface| applied.size(surface, t))
 }
 
 /// The friction joints' reactions without friction, and the effects of friction and sigma_ddot on them.

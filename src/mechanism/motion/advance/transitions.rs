@@ -5,6 +5,7 @@ use super::{Advance, Stopped};
 use crate::integrator::System;
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::witness::What;
@@ -86,6 +87,17 @@ where
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
             Event::Border(_) | Event::Knot(_) => {}
+            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
+                z[0] = self.ends.position(place).unwrap_or(z[0]);
+                self.contact.arrives(place);
+                return Err(Stopped::Event(self.progress));
+            }
+            Event::Stop(place) => {
+                self.jumped();
+                self.impact(place, z)?;
+            }
+            // A motion of two components has no other events.
+            _ if N < MOTION => {}
             Event::Regime(joint) => {
                 self.integrator.refresh();
                 self.progress.work.regimes += 1;
@@ -125,15 +137,6 @@ where
                 if self.pauses() {
                     return Err(Stopped::Event(self.progress));
                 }
-            }
-            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
-                z[0] = self.ends.position(place).unwrap_or(z[0]);
-                self.contact.arrives(place);
-                return Err(Stopped::Event(self.progress));
-            }
-            Event::Stop(place) => {
-                self.jumped();
-                self.impact(place, z)?;
             }
             Event::Level(level) => {
                 if let Some(level) = self.dynamics.level_of_network(level, z) {
