@@ -42,7 +42,7 @@ impl Mjcf {
 }
 
 /// The rotation of a quaternion of any length.
-fn of_quaternion([w, x, y, z]: [f64; 4]) -> Rotation {
+pub(super) fn of_quaternion([w, x, y, z]: [f64; 4]) -> Rotation {
     let half = (x * x + y * y + z * z).sqrt();
     unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)))
 }

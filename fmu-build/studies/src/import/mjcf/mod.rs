@@ -9,8 +9,7 @@ mod frames;
 mod table;
 
 use super::masses::{Part, Shape, bounded, in_space, symmetric, together};
-use super::spatial::{Acting, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
-use super::spatial::{about, add, after, cross, dot, scaled, turned, unit};
+use super::spatial::{Acting, Hinge, SAME, Solid, Space, Spring, add, scaled, turned, unit};
 use super::xml::{Element, rejected, unread};
 use anyhow::{Context, Result, bail, ensure};
 use frames::{Frame, along};
