@@ -7,8 +7,8 @@ use crate::mechanism::definition::loads::Actuator;
 use crate::mechanism::definition::refusal::refused;
 
 /// Why no cylinder and no screw acts in a slot.
-pub(super) const CURVED: &str = "this element acts along a straight line, but a slot is curved: name a prismatic joint or two \
-    points";
+pub(super) const CURVED: &str = "this element acts along a straight line, but a slot is curved: name a prismatic joint \
+    or two points";
 
 impl Mechanism {
     /// Faults of all drives.
