@@ -90,8 +90,8 @@ impl State {
         (self.prescribed.is_none() && self.scratch.air == air).then_some(&self.scratch.panel_force)
     }
 
-    /// Apply inputs that may have changed since the last step, for a step of `h` [s]. The change of the potential of the
-    /// loads is work from outside.
+    /// Apply inputs that may have changed since the last step, for a step of `h` [s]. The change of the potential of
+    /// the loads is work from outside.
     ///
     /// # Errors
     /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
