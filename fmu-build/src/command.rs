@@ -1,10 +1,11 @@
 //! Child processes that write directly to the terminal, and the Python environments of the tests.
 
 use crate::workspace::Workspace;
-use anyhow::Result;
+use anyhow::{Context, Result};
 pub use fmu_cli::python::{cannot_start, demo, environment, run};
 use std::env;
-use std::path::PathBuf;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The Cargo program that started this program, in the top folder of the repository.
@@ -59,4 +60,15 @@ pub fn built(workspace: &Workspace, name: &str) -> Result<PathBuf> {
     cargo.args(["build", "--release", "--quiet", "--package", "fmu-build", "--package", name, "--bin", name]);
     run(&mut cargo, "cargo build")?;
     Ok(env::current_exe()?.with_file_name(format!("{name}{}", env::consts::EXE_SUFFIX)))
+}
+
+/// Open a file or an address in the user's browser.
+///
+/// # Errors
+/// There is no browser that opens the page.
+pub fn show(page: impl AsRef<OsStr>) -> Result<()> {
+    let page = page.as_ref();
+    open::that_detached(page).with_context(|| {
+        format!("{}: no browser could open this page; open the page in a browser", Path::new(page).display())
+    })
 }

@@ -2,7 +2,7 @@
 
 use crate::command;
 use crate::workspace::Workspace;
-use anyhow::{Context, Result};
+use anyhow::Result;
 pub use fmu_cli::Docs as Arguments;
 use std::process::Command;
 
@@ -23,13 +23,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let page = site.join("index.html");
     println!("{}", page.display());
     if arguments.open {
-        open::that_detached(&page).with_context(|| {
-            format!(
-                "{}: no browser could open the site; open this file in a \
-            browser",
-                page.display()
-            )
-        })?;
+        command::show(&page)?;
     }
     Ok(())
 }

@@ -8,10 +8,11 @@ mod page;
 mod series;
 
 use crate::check::{self, Checked};
+use crate::command;
 use crate::files;
 use crate::fmu::Definition;
 use crate::workspace::{MECHANISM, Workspace};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 pub use data::{Data, Status, Wanted};
 pub use fmu_cli::View as Arguments;
 use linkage_fmu::inspection::Severity;
@@ -52,13 +53,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<bool> {
         false => eprintln!("{written}"),
     }
     if arguments.open {
-        open::that_detached(&path).with_context(|| {
-            format!(
-                "{}: no browser could open the page; open this file in a \
-            browser",
-                path.display()
-            )
-        })?;
+        command::show(&path)?;
     }
     if let Some(error) = &data.error {
         match checked.count(Severity::Error) {

@@ -339,9 +339,7 @@ impl Model {
 
     /// Name of the parameter with this index.
     pub(super) fn parameter_name(&self, index: usize) -> String {
-        let list = self.original.variables.list().iter().enumerate();
-        let is = |i: usize| self.original.variables.quantity(i as u32) == Some(Quantity::Parameter(index));
-        list.filter(|(i, _)| is(*i)).map(|(_, variable)| variable.name.clone()).collect()
+        self.original.variables.name_of(Quantity::Parameter(index)).to_owned()
     }
 }
 

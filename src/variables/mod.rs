@@ -293,6 +293,15 @@ impl<Q: Copy> Variables<Q> {
     pub fn quantity(&self, reference: Reference) -> Option<Q> {
         self.quantities.get(reference as usize).copied()
     }
+
+    /// Name of the variable that represents a quantity; empty without such a variable.
+    pub fn name_of(&self, quantity: Q) -> &str
+    where
+        Q: PartialEq,
+    {
+        let index = self.quantities.iter().position(|own| *own == quantity);
+        index.map_or("", |index| self.interface.list[index].name.as_str())
+    }
 }
 
 impl<Q> Deref for Variables<Q> {

@@ -54,6 +54,7 @@ macro_rules! host {
         }
     };
 }
+pub(crate) use host;
 host!(Gear, mechanism::Model);
 host!(Actuator, hydraulics::Model);
 

@@ -7,6 +7,7 @@ mod limits;
 mod supply;
 
 use super::Model;
+use crate::hydraulics::tests::H0;
 
 /// The circuit of the hydraulic actuator as a network.
 const ACTUATOR: &str = r#"{
@@ -23,17 +24,6 @@ const ACTUATOR: &str = r#"{
               "suction_b": { "from": "tank", "to": "ram.b", "conductance": 1e-10, "width": 1e5 } },
   "coupling": { "mode": "follow" }
 }"#;
-
-/// Time, pressures of the chambers, spool and force of H0: hydraulics alone under a given motion.
-const H0: [[f64; 5]; 7] = [
-    [0.01, 472_875.119_061, 10_911_388.851_1, 0.392_357_384_677, -11_544.873_288],
-    [0.05, -13_523.705_699, 15_140_206.366_84, 0.400_000_108_367, -16_965.284_908_2],
-    [0.1, -25_100.951_360, 16_924_908.076_86, 0.4, -18_942.329_747_3],
-    [0.3, 1_077_695.348_164, 10_525_627.852_58, 0.4, -10_137.109_840_7],
-    [0.6, 19_288_133.033_38, 1_180_703.038_019, 0.4, 29_019.574_619_3],
-    [0.7, 20_758_479.107_34, 407_524.025_005, 0.4, 32_867.054_710_5],
-    [1.0, 28_266_440.307_96, 40_292.352_995, 0.4, 45_186.816_675_9],
-];
 
 struct Host(Model);
 

@@ -60,6 +60,7 @@ impl BumperSet {
     ///
     /// # Errors
     /// The record has ended.
+    #[inline]
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.word(&mut self.0)
     }

@@ -80,10 +80,9 @@ pub struct PanelForce {
     /// x at the center.
     offset: f64,
     panel: usize,
-    /// Number of the stretch of the curve on which the panel is.
-    stretch: i32,
-    /// Version of the loads, and the whole revolutions before sigma = 0.
-    of: (u64, f64),
+    /// Version of the loads, the bits of the whole revolutions before sigma = 0, and the number of the stretch of the
+    /// curve on which the panel is.
+    of: (u64, u64, i32),
     /// Whole revolutions before this panel.
     pub revolutions: f64,
     /// Force along the curve.
@@ -135,9 +134,9 @@ impl PanelForce {
     /// Hold for no sigma unless it is that of these loads, on this stretch of the curve.
     #[inline(always)]
     pub fn belong_to(&mut self, applied: &AppliedLoads, stretch: i32) {
-        let of = (applied.version, applied.revolutions);
-        if of != self.of || of.0 == 0 || self.stretch != stretch {
-            (self.of, self.stretch) = (of, stretch);
+        let of = (applied.version, applied.revolutions.to_bits(), stretch);
+        if of != self.of || of.0 == 0 {
+            self.of = of;
             self.invalidate();
         }
     }
@@ -146,7 +145,7 @@ impl PanelForce {
     /// up for outputs is not summed up again for a step, nor the other way round.
     #[inline]
     pub fn share(&mut self, other: Option<&Self>, sigma: f64) {
-        let is_known = |other: &&Self| (other.of, other.stretch) == (self.of, self.stretch) && other.holds(sigma);
+        let is_known = |other: &&Self| other.of == self.of && other.holds(sigma);
         if !self.holds(sigma)
             && let Some(other) = other.filter(is_known)
         {
@@ -285,7 +284,7 @@ impl PanelForce {
         sigma: f64,
         varies: bool,
     ) {
-        self.stretch = reduced.stretch;
+        self.of.2 = reduced.stretch;
         let table = state_loads.map_or(reduced.influence(), |s| &s.table);
         let (first, last) = reduced.curve().range;
         let (shift, revolutions) = around(reduced, sigma);

@@ -391,11 +391,12 @@ impl<T: Number> StateLoadEvaluator<T> {
     ) -> Result<Option<T>, Locked> {
         let effects = self.effects.as_flattened();
         let slips = &effects[state_loads.free()..state_loads.loads.len()];
+        let on_surfaces = state_loads.surfaces > 0 && !mode.still;
         for (j, (friction_joint, slip)) in state_loads.friction_joints.iter().zip(slips).enumerate() {
             let mut v = *slip * sigma_dot * T::constant(friction_joint.radius);
             let (mut towards, mut at) = (slip.value() * mode.direction, v.value());
             let mut rests = mode.breaks_away || is_at_rest(mode, sigma_dot.value());
-            if let Some(surface) = friction_joint.surface.filter(|_| !mode.still) {
+            if on_surfaces && let Some(surface) = friction_joint.surface {
                 let speed = applied.size(surface, t);
                 v = v - speed;
                 (rests, at, towards) = self.surface.slip([t, v, speed].map(|number| number.value()), towards);

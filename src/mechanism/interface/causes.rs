@@ -6,6 +6,7 @@ use crate::mechanism::linkage::{Body, Freedom, GROUND, Linkage};
 use crate::mechanism::loads::laws::friction::Law;
 use crate::mechanism::loads::resolved::{FrictionJoint, FrictionKind, Loading};
 use crate::mechanism::loads::unit_load::Load;
+use crate::numerics::order::sorted_by_pair;
 use crate::numerics::plane::Vec2;
 
 /// What a parameter acts on.
@@ -124,9 +125,25 @@ fn anything(source: &Source) -> Vec<Cause> {
     let drives = (0..source.loading.drives.len()).map(Cause::Efficiency);
     let markers = (0..source.markers.len()).map(Cause::Marker);
     let others = [Cause::Inertia, Cause::Masses, Cause::Statics];
-    let mut all: Vec<Cause> = joints.chain(loads).chain(drives).chain(markers).chain(others).collect();
-    all.sort_unstable();
-    all
+    ascending(joints.chain(loads).chain(drives).chain(markers).chain(others).collect())
+}
+
+/// Causes in ascending order.
+fn ascending(causes: Vec<Cause>) -> Vec<Cause> {
+    sorted_by_pair(causes, |cause| match *cause {
+        Cause::Joint(joint) => (0, joint),
+        Cause::Position => (1, 0),
+        Cause::Speed => (2, 0),
+        Cause::Inertia => (3, 0),
+        Cause::Masses => (4, 0),
+        Cause::Load(load) => (5, load),
+        Cause::Efficiency(drive) => (6, drive),
+        Cause::Marker(marker) => (7, marker),
+        Cause::Radius(load) => (8, load),
+        Cause::Statics => (9, 0),
+        Cause::Elasticity => (10, 0),
+        Cause::Circuit => (11, 0),
+    })
 }
 
 /// What a calculated parameter acts on, the parameters that decide it act on in its place.
@@ -135,7 +152,7 @@ fn pass_to_bases(mechanism: &Mechanism, causes: &mut [Vec<Cause>]) {
         let own = std::mem::take(&mut causes[calculated.index]);
         for &base in &calculated.bases {
             causes[base].extend(&own);
-            causes[base].sort_unstable();
+            causes[base] = ascending(std::mem::take(&mut causes[base]));
             causes[base].dedup();
         }
     }
@@ -199,8 +216,7 @@ fn differences(one: &Source, other: &Source) -> Vec<Cause> {
         add(a.radius != b.radius, Cause::Radius(a.load));
     }
     add(statics(&one.loading) != statics(&other.loading), Cause::Statics);
-    causes.sort_unstable();
-    causes
+    ascending(causes)
 }
 
 /// Whether a load and what sizes it are the same, apart from the efficiency of a drive.

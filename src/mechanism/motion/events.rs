@@ -18,6 +18,7 @@ use crate::codec::record::{Damaged, Record};
 use crate::integrator::{Dense, Direction, Integrator, Step, System};
 use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::motion::contact::{Contact, Ends, Place};
 use crate::mechanism::reduced::{AT_KNOT, StateLoads};
 use borders::{passage_of_border, passes_border};
@@ -134,8 +135,6 @@ struct Guards {
     ends: [usize; 7],
     knot: f64,
     bumpers: usize,
-    /// Guards of each bumper.
-    of_bumper: usize,
 }
 
 impl Guards {
@@ -149,9 +148,9 @@ impl Guards {
         let borders = switches + dynamics.borders::<N>();
         let knots = borders + usize::from(knot.is_some());
         let levels = knots + dynamics.levels::<N>();
-        let of_bumper = if ends.locked.waiting_bumpers == BumperSet::EMPTY { 3 } else { 4 };
-        let ends_of_kinds = [reversals, regimes, switches, borders, knots, levels, levels + 2];
-        Self { ends: ends_of_kinds, knot: knot.unwrap_or(0.0), bumpers: ends.bumpers(), of_bumper }
+        let bumpers = state_loads.map_or(0, |_| ends.bumpers());
+        let ends = [reversals, regimes, switches, borders, knots, levels, levels + 2];
+        Self { ends, knot: knot.unwrap_or(0.0), bumpers }
     }
 
     /// Whether stops are the only guards.
@@ -163,7 +162,7 @@ impl Guards {
     /// Their indices.
     #[inline(always)]
     fn indices(&self) -> Range<usize> {
-        0..self.ends[6] + self.of_bumper * self.bumpers
+        0..self.ends[6] + 4 * self.bumpers
     }
 
     /// A guard by its index: of each bumper its place at the low and at the high side, its push, then the
@@ -179,7 +178,7 @@ impl Guards {
             _ if index < knots => Event::Knot(self.knot),
             _ if index < levels => Event::Level(index - knots),
             _ if index < rigid => Event::Stop(Place::rigid(index - levels)),
-            _ => match ((index - rigid) / self.of_bumper, (index - rigid) % self.of_bumper) {
+            _ => match ((index - rigid) / 4, (index - rigid) % 4) {
                 (bumper, 2) => Event::Bumper(bumper),
                 (bumper, 3) => Event::Engages(bumper),
                 (bumper, side) => Event::Stop(Place::of_bumper(side, bumper)),
@@ -204,16 +203,16 @@ where
     let guards = Guards::new(dynamics, around.0, step);
     let mut along = Along::new(dynamics, integrator, around, step, tolerance);
     // Most steps come near no stop, and most motions have no other guards.
-    if guards.are_stops() && !along.near.any(around.0) && around.1.touching() == BumperSet::EMPTY {
+    if guards.are_stops() && !along.near.any(around.0, guards.bumpers) && around.1.touching() == BumperSet::EMPTY {
         return None;
     }
     // All guards are asked before the interpolant, whose evaluations add samples of the switching quantities. The last
     // mark is that of all further guards.
-    let (mark, mut marks) = (|index: usize| 1_u128 << index.min(127), 0);
+    let mut marks = 0_u128;
     for index in guards.indices() {
         let guard = guards.get(index);
-        if held != Some(guard) && along.may_come(guard) {
-            marks |= mark(index);
+        if along.may_come(guard) && held != Some(guard) {
+            marks |= 1 << index.min(127);
         }
     }
     if marks == 0 {
@@ -225,9 +224,9 @@ where
         return Some(undefined(dense));
     }
     let mut earliest: Option<(f64, Event)> = None;
-    for index in guards.indices() {
+    for index in guards.indices().filter(|index| marks >> index.min(&127) & 1 == 1) {
         let guard = guards.get(index);
-        if marks & mark(index) == 0 || held == Some(guard) {
+        if held == Some(guard) {
             continue;
         }
         let is_earlier = |part: f64| match (guard, earliest) {
@@ -274,13 +273,15 @@ where
     fn may_come(&mut self, guard: Event) -> bool {
         let (dynamics, step, (ends, contact)) = (&mut *self.dynamics, self.step, self.around);
         match guard {
+            Event::Stop(place) => self.near.may_pass_place(ends, place),
+            Event::Knot(knot) => may_pass_knot(dynamics, knot, step),
+            // A motion of two components has no other guards.
+            _ if N < MOTION => false,
             Event::Reversal => may_reverse(dynamics, step),
             Event::Regime(joint) => self.slips.as_ref().is_some_and(|slips| slips.may_leave(dynamics, joint)),
             Event::Switch(switch) => may_switch(dynamics, switch, step, self.tolerance),
             Event::Border(border) => !self.distant.contains(&border) && passes_border(dynamics, border, step),
-            Event::Knot(knot) => may_pass_knot(dynamics, knot, step),
             Event::Level(level) => may_pass_level(dynamics, level, step),
-            Event::Stop(place) => self.near.may_pass_place(ends, place),
             Event::Bumper(bumper) => contact.touching().contains(bumper) || self.near.is_behind(ends, bumper),
             Event::Engages(bumper) => engaging_push((ends, contact), bumper).is_some(),
             Event::Undefined => false,
@@ -291,13 +292,14 @@ where
     fn passage(&mut self, guard: Event, dense: &Dense<N>) -> Option<f64> {
         let (dynamics, step, (ends, contact)) = (&mut *self.dynamics, self.step, self.around);
         match guard {
+            Event::Stop(place) => self.near.passage((ends, contact), place, dense),
+            Event::Knot(knot) => dense.first_passage(0, knot, towards(knot - step.start[0]), false),
+            _ if N < MOTION => None,
             Event::Reversal => dense.first_passage(1, 0.0, towards(-dynamics.mode.direction), false),
             Event::Regime(joint) => passage_of_slip(dynamics, joint, step, dense),
             Event::Switch(switch) => passage_of_switch(dynamics, switch, self.integrator, step, dense),
             Event::Border(border) => passage_of_border(dynamics, border, step, dense),
-            Event::Knot(knot) => dense.first_passage(0, knot, towards(knot - step.start[0]), false),
             Event::Level(level) => passage_of_level(dynamics, level, dense),
-            Event::Stop(place) => self.near.passage((ends, contact), place, dense),
             Event::Bumper(bumper) => {
                 let touches = contact.touching().contains(bumper);
                 if !(touches || self.near.is_behind(ends, bumper)) {
@@ -337,6 +339,9 @@ where
     EquationOfMotion<'e>: System<N>,
 {
     match event {
+        Event::Knot(sigma) => z[0] - sigma,
+        Event::Stop(_) | Event::Undefined => 0.0,
+        _ if N < MOTION => 0.0,
         Event::Reversal => -dynamics.mode.direction * z[1],
         Event::Bumper(bumper) => dynamics.excess_of_bumper(bumper, contact.touching().contains(bumper), [z[0], z[1]]),
         Event::Engages(bumper) => {
@@ -347,10 +352,8 @@ where
             dynamics.excess_of_slip(joint, [t, z[0], z[1]])
         }
         Event::Border(border) => dynamics.beyond_border(border, t, z),
-        Event::Knot(sigma) => z[0] - sigma,
         Event::Level(level) => dynamics.level_of_network(level, z).map_or(0.0, |level| level.excess(z)),
         Event::Switch(switch) => -dynamics.switch_value(switch, t, z).unwrap_or(f64::NAN),
-        Event::Stop(_) | Event::Undefined => 0.0,
     }
 }
 

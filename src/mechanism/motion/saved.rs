@@ -63,10 +63,10 @@ pub struct Applied {
 }
 
 impl Applied {
-    /// Places where a lock is engaged, if nothing of these inputs is to be applied.
+    /// Whether nothing of these inputs is to be applied.
     #[inline(always)]
-    pub fn in_force(&self, inputs: &Inputs) -> Option<EngagedLocks> {
-        (self.version == inputs.version()).then_some(self.locked)
+    pub fn are_in_force(&self, inputs: &Inputs) -> bool {
+        self.version == inputs.version()
     }
 
     /// Become the same as another one of this mechanism, without allocation.

@@ -215,10 +215,8 @@ impl State {
             return self.step_prescribed(reduced, inputs, h, solver);
         }
         let ahead = inputs.signal.ahead;
-        let in_force = self.applied.in_force(inputs);
-        if let Some(locked) = in_force
-            && let Some((y, lost)) = self.read_ahead(locked, h, solver.tolerance)
-        {
+        let is_new = !self.applied.are_in_force(inputs);
+        if !is_new && let Some((y, lost)) = self.read_ahead(h, solver.tolerance) {
             return match self.arrive_at(reduced, y, lost, 0.0) {
                 Ok(()) => Ok(Reached::End),
                 Err(error) => {
@@ -227,11 +225,10 @@ impl State {
                 }
             };
         }
-        let locked = match in_force {
-            Some(locked) => locked,
-            None => self.apply(reduced, inputs, h)?,
-        };
-        let (is_new, state_loads) = (in_force.is_none(), self.present_state_loads(reduced)?);
+        if is_new {
+            self.apply(reduced, inputs, h)?;
+        }
+        let (locked, state_loads) = (self.applied.locked, self.present_state_loads(reduced)?);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let SavedState { sigma, sigma_dot, contact, .. } = *self.saved;
         let mut arrival = Arrival { y: [sigma, sigma_dot], lost: 0.0, contact, passed: 0.0 };
@@ -281,16 +278,16 @@ impl State {
     /// State and energy lost at the end of a step of `h` [s] under the inputs in force, if it ends within a step of the
     /// integration that goes on beyond the present: what [`Advance::run`] finds without anything around it.
     #[inline(always)]
-    fn read_ahead(&mut self, locked: EngagedLocks, h: f64, tolerance: f64) -> Option<([f64; 2], f64)> {
+    fn read_ahead(&mut self, h: f64, tolerance: f64) -> Option<([f64; 2], f64)> {
         // The step that follows counts as the access.
         let SavedState { memory, contact, .. } = &mut self.saved.saved;
         if contact.at_rest().is_some() || contact.arrival().is_some() {
             return None;
         }
         match memory {
-            Memory::Conservative(_, lookahead) => Some((lookahead.read_within(h, tolerance, locked)?, 0.0)),
+            Memory::Conservative(_, lookahead) => Some((lookahead.read_within(h, tolerance)?, 0.0)),
             Memory::WithDissipation(_, lookahead) => {
-                let [sigma, sigma_dot, lost] = lookahead.read_within(h, tolerance, locked)?;
+                let [sigma, sigma_dot, lost] = lookahead.read_within(h, tolerance)?;
                 Some(([sigma, sigma_dot], lost))
             }
             Memory::WithHydraulics(_) => None,

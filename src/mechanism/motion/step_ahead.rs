@@ -150,11 +150,11 @@ impl<const N: usize> Lookahead<N> {
         self.unchanged_steps = self.required_steps.min(self.unchanged_steps + 1);
     }
 
-    /// State at the end of a communication step of `h` [s] with this tolerance and these locks, if a step ahead goes on
-    /// beyond it.
+    /// State at the end of a communication step of `h` [s] with this tolerance and the same inputs, so with the same
+    /// locks, if a step ahead goes on beyond it.
     #[inline(always)]
-    pub fn read_within(&mut self, h: f64, tolerance: f64, locked: EngagedLocks) -> Option<[f64; N]> {
-        if (tolerance, locked) != (self.tolerance, self.locked) {
+    pub fn read_within(&mut self, h: f64, tolerance: f64) -> Option<[f64; N]> {
+        if tolerance != self.tolerance {
             return None;
         }
         let state = self.step_ahead.as_mut().filter(|ahead| h < ahead.rest())?.read(h);

@@ -249,26 +249,32 @@ impl PresentLoads {
     /// The first loads have these sizes.
     #[inline]
     pub fn set_first(&mut self, sizes: &[f64]) {
-        for (load, size) in sizes.iter().enumerate() {
-            if self.sizes[load].to_bits() != size.to_bits() {
-                self.set(load, *size);
-            }
+        let mut others_act = false;
+        for (own, size) in self.sizes.iter_mut().zip(sizes) {
+            others_act |= (*own != 0.0) != (*size != 0.0);
+            *own = *size;
         }
+        self.have_changed(others_act);
     }
 
-    /// A load has this size; returns whether it had another one. Terms of the reactions are others only if the load
-    /// starts or ceases to act, or if they include the sum of many loads.
+    /// A load has this size; returns whether it had another one.
     pub fn set(&mut self, load: usize, size: f64) -> bool {
-        let before = self.sizes[load];
-        if before.to_bits() == size.to_bits() {
-            return false;
+        let before = std::mem::replace(&mut self.sizes[load], size);
+        let is_other = before.to_bits() != size.to_bits();
+        if is_other {
+            self.have_changed((before != 0.0) != (size != 0.0));
         }
-        self.sizes[load] = size;
-        if (before != 0.0) != (size != 0.0) || self.acting.len() > MOST_TERMS {
+        is_other
+    }
+
+    /// Sizes have changed. Terms of the reactions are others only if a load starts or ceases to act, or if they include
+    /// the sum of many loads.
+    #[inline]
+    fn have_changed(&mut self, others_act: bool) {
+        if others_act || self.acting.len() > MOST_TERMS {
             self.knows_acting = false;
             self.reactions.iter_mut().for_each(|reaction| reaction.has_applied = false);
         }
-        true
     }
 }
 

@@ -1,5 +1,6 @@
 //! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against both as a single
 //! system: rest at stops and locks, release, changing steps, jumps of command and load.
+use crate::hydraulic_pair::host;
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
@@ -74,33 +75,8 @@ fn locked() -> Scene {
     Scene { end: 1.0, ..scene }
 }
 
-macro_rules! by_name {
-    ($name:ident, $model:ty) => {
-        struct $name($model);
-
-        impl $name {
-            fn reference(&self, name: &str) -> u32 {
-                self.0.variables().find(name).unwrap_or_else(|| panic!("{name}"))
-            }
-
-            fn set(&mut self, name: &str, value: f64) {
-                self.0.set_real(self.reference(name), value).unwrap();
-            }
-
-            fn get(&mut self, name: &str) -> f64 {
-                self.0.real(self.reference(name)).unwrap()
-            }
-        }
-    };
-}
-by_name!(Mechanism, mechanism::Model);
-by_name!(Actuator, hydraulics::Model);
-
-impl Mechanism {
-    fn switch(&mut self, name: &str, on: bool) {
-        self.0.set_boolean(self.reference(name), on).unwrap();
-    }
-}
+host!(Mechanism, mechanism::Model);
+host!(Actuator, hydraulics::Model);
 
 /// Apply the changes up to this time.
 fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set)) {
@@ -114,7 +90,7 @@ fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set
 fn set_in_one(whole: &mut Mechanism, set: Set) {
     match set {
         Set::Gear(name, value) => whole.set(name, value),
-        Set::Switch(name, on) => whole.switch(name, on),
+        Set::Switch(name, on) => whole.flag(name, on),
         Set::Circuit(name, value) => {
             let known = whole.0.variables().find(name).is_some();
             whole.set(&if known { name.to_owned() } else { format!("actuator.{name}") }, value);
@@ -162,7 +138,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
     let apply = |gear: &mut Mechanism, oil: &mut Actuator, set: Set| match set {
         Set::Gear(name, value) => gear.set(name, value),
-        Set::Switch(name, on) => gear.switch(name, on),
+        Set::Switch(name, on) => gear.flag(name, on),
         Set::Circuit(name, value) => oil.set(name, value),
     };
     let exchange = |gear: &mut Mechanism, oil: &mut Actuator| {
@@ -417,9 +393,9 @@ fn limits_are_the_lengths_at_the_stops_or_the_present_one() {
         |gear: &mut Mechanism| ["lower_limit", "length", "upper_limit"].map(|n| gear.get(&format!("actuator.{n}")));
     let [lower, length, upper] = limits(&mut gear);
     assert!(lower == length && (upper - 0.736_680_967_661_896).abs() < 1e-12, "{lower} {length} {upper}");
-    gear.switch("downlock.engage", true);
+    gear.flag("downlock.engage", true);
     assert_eq!(limits(&mut gear), [length; 3]);
-    gear.switch("downlock.engage", false);
+    gear.flag("downlock.engage", false);
     gear.set("actuator.force", 3e4);
     gear.0.step(0.05).unwrap();
     let [lower, now, upper_now] = limits(&mut gear);

@@ -11,6 +11,7 @@ mod server;
 use anyhow::{Context, Result, bail};
 use engine::{Asked, Engine};
 use file::{File, Saved};
+use fmu_build::command;
 use fmu_build::fmu::is_fmu;
 use fmu_build::source::Source;
 use fmu_build::view::Wanted;
@@ -70,12 +71,7 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     println!("{address} (shows {shown}; press Ctrl-C to end)");
     stdout().flush().ok();
     if arguments.open {
-        open::that_detached(&address).with_context(|| {
-            format!(
-                "{address}: no browser could open the page; open this \
-            address in a browser"
-            )
-        })?;
+        command::show(&address)?;
     }
     // The motion is computed before the page opens.
     let first = Arc::clone(&live);

@@ -1,7 +1,7 @@
 //! Checks of the hydraulic network of a mechanism: each cylinder moves an actuator of the same name.
 //!
 //! In: a definition. Out: faults of its network. It must not know laws.
-use super::CURVED;
+use super::drives::CURVED;
 use super::names::entry;
 use crate::format::{Described, Faults};
 use crate::hydraulics::network::definition::HydraulicSystem;

@@ -5,6 +5,7 @@ use crate::mechanism::definition::MOST_STATES;
 use crate::mechanism::loads::resolved::DriveLaw;
 use crate::mechanism::model::{Model, ModelError};
 use crate::mechanism::quantity::{Output, Quantity};
+use crate::numerics::order::sorted_by_pair;
 use crate::variables::{ContinuousTime, Reference};
 
 /// States or their rates: those of the motion, then those of controllers.
@@ -36,8 +37,10 @@ impl Model {
             }
         }
         // In the order of the states, not of the outputs.
-        controllers.iter_mut().for_each(|all| all.sort_unstable());
-        let [values, rates] = controllers.map(|all| all.into_iter().map(|(_, reference)| reference));
+        let [values, rates] = controllers.map(|all| {
+            let all = sorted_by_pair(all, |(state, _)| (state.map_or(0, |state| state + 1), 0));
+            all.into_iter().map(|(_, reference)| reference)
+        });
         all.states.extend(values);
         all.derivatives.extend(rates);
         (!all.states.is_empty()).then_some(all)

@@ -21,11 +21,17 @@ impl<'e, const N: usize> Advance<'_, 'e, N>
 where
     EquationOfMotion<'e>: System<N>,
 {
+    /// Number of bumpers; a motion of two components has none.
+    #[inline(always)]
+    fn bumpers(&self) -> usize {
+        self.dynamics.deciding::<N>().map_or(0, |_| self.ends.bumpers())
+    }
+
     /// A mechanism that sets out outward from the place where a bumper begins presses that bumper from the start.
     #[inline(always)]
     pub(super) fn touch_bumpers(&mut self, z: &[f64; N]) -> Result<(), Locked> {
         let ends = self.ends;
-        for bumper in 0..ends.bumpers() {
+        for bumper in 0..self.bumpers() {
             for side in (0..2).filter(|&side| ends.bumper(side, bumper) == Some(z[0])) {
                 if self.contact.touching().contains(bumper) {
                     continue;
@@ -43,8 +49,8 @@ where
     /// place it is exactly does not.
     #[inline(always)]
     fn pressed_bumpers(&mut self, sigma: f64, sigma_dot: f64) -> BumperSet {
-        let (ends, dynamics) = (self.ends, &mut *self.dynamics);
-        BumperSet::of(ends.bumpers(), |bumper| {
+        let (bumpers, ends, dynamics) = (self.bumpers(), &self.ends, &mut *self.dynamics);
+        BumperSet::of(bumpers, |bumper| {
             let is_behind = |side: usize| ends.bumper(side, bumper).is_some_and(|p| (sigma - p) * outward(side) > 0.0);
             (is_behind(0) || is_behind(1)) && {
                 let (beyond, push) = dynamics.bumper_push(bumper, sigma, sigma_dot);
@@ -83,7 +89,7 @@ where
             self.speed_has_jumped(z);
             self.progress.lost += before - after + self.end_bouncing(place.side, z)?;
         } else {
-            for bumper in 0..self.ends.bumpers() {
+            for bumper in 0..self.bumpers() {
                 let is_met =
                     |side: usize| z[1] * outward(side) > 0.0 && self.ends.bumper(side, bumper) == Some(position);
                 if let Some(side) = (0..2).find(|&side| is_met(side)) {
@@ -107,7 +113,7 @@ where
     /// Bumpers push or not as they do at the new speed.
     #[inline(always)]
     fn speed_has_jumped(&mut self, z: &[f64; N]) {
-        if self.ends.bumpers() > 0 {
+        if self.bumpers() > 0 {
             let touching = self.pressed_bumpers(z[0], z[1]);
             if self.witness.listens.events {
                 self.tell_bumpers(touching);
@@ -126,7 +132,7 @@ where
             return Ok(0.0);
         }
         let rests = speed == 0.0 || {
-            if self.ends.bumpers() > 0 {
+            if self.bumpers() > 0 {
                 let at_rest = self.pressed_bumpers(z[0], 0.0);
                 self.dynamics.mode.touching = at_rest;
             }
@@ -191,7 +197,7 @@ where
     #[cold]
     #[inline(never)]
     fn engage_those(&mut self, pressed: BumperSet, z: &[f64; N]) {
-        for bumper in (0..self.ends.bumpers()).filter(|bumper| pressed.contains(*bumper)) {
+        for bumper in (0..self.bumpers()).filter(|bumper| pressed.contains(*bumper)) {
             let place = Place::of_bumper(0, bumper);
             let (_, push) = self.dynamics.bumper_push(bumper, z[0], z[1]);
             if push > self.ends.engages_at(place) {
@@ -209,7 +215,7 @@ where
 
     /// These bumpers push from now on.
     fn tell_bumpers(&mut self, touching: BumperSet) {
-        for bumper in 0..self.ends.bumpers() {
+        for bumper in 0..self.bumpers() {
             let (before, after) = (self.contact.touching().contains(bumper), touching.contains(bumper));
             let stop = self.ends.travel.bumpers[bumper].stop;
             if before != after {

@@ -4,6 +4,7 @@
 use super::{Advance, BEYOND_KNOT};
 use crate::integrator::{Dense, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, excess};
 use crate::mechanism::reduced::AT_KNOT;
 
@@ -69,17 +70,10 @@ where
     /// place of a stop to the last digit, near a knot, whose kink the interpolant has within it.
     #[inline(always)]
     pub(super) fn locate(&mut self, step: &Step<N>, found: &Found<N>, dense: Option<&Dense<N>>) -> Option<Step<N>> {
-        let is_smooth = matches!(
-            found.event,
-            Event::Regime(_)
-                | Event::Bumper(_)
-                | Event::Engages(_)
-                | Event::Reversal
-                | Event::Border(_)
-                | Event::Switch(_)
-        );
-        // The lock is to change at the same time in communication steps of any size.
+        // At a level, the lock is to change at the same time in communication steps of any size.
         let is_level = matches!(found.event, Event::Level(_));
+        let is_smooth =
+            N >= MOTION && !(is_level || matches!(found.event, Event::Stop(_) | Event::Knot(_) | Event::Undefined));
         // The interpolant has the kink within it.
         let has_kink = matches!(found.event, Event::Border(border) if self.dynamics.is_kink(border));
         if is_smooth
@@ -111,7 +105,7 @@ where
                 shorter = self.integrator.retake(self.dynamics, step, next);
                 self.progress.work.extra += 1;
             }
-        } else if let (true, Some(dense)) = (is_smooth || is_level, dense) {
+        } else if let (true, Some(dense)) = (N >= MOTION && found.event != Event::Undefined, dense) {
             self.polish(step, found, dense, &mut shorter);
         }
         Some(shorter)

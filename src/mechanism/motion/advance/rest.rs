@@ -154,7 +154,8 @@ where
         if Self::EVOLVES_AT_REST {
             return self.go_on_at_rest(z, span, ways);
         }
-        if self.dynamics.applied.change.is_none() {
+        // The inputs of a motion of two components do not change with time.
+        if N < MOTION || self.dynamics.applied.change.is_none() {
             return Ok(false);
         }
         let from = self.progress.t;

@@ -4,6 +4,7 @@
 use super::{Advance, Stopped};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::motion::contact::{Place, outward};
 use crate::mechanism::motion::events::Event;
 use crate::mechanism::motion::witness::What;
@@ -97,6 +98,17 @@ where
             Event::Undefined => self.integrator.refresh(),
             // The right-hand side is continuous there.
             Event::Border(_) | Event::Knot(_) => {}
+            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
+                z[0] = self.ends.position(place).unwrap_or(z[0]);
+                self.contact.arrives(place);
+                return Err(Stopped::Event(self.progress));
+            }
+            Event::Stop(place) => {
+                self.jumped();
+                self.impact(place, z)?;
+            }
+            // A motion of two components has no other events.
+            _ if N < MOTION => {}
             Event::Regime(joint) if self.clinging().is_some() && self.turn_on_surface(joint, z)? => {}
             Event::Regime(first) => {
                 self.integrator.refresh();
@@ -150,15 +162,6 @@ where
                 if self.pauses() {
                     return Err(Stopped::Event(self.progress));
                 }
-            }
-            Event::Stop(place) if self.pauses() && self.ends.travel.stop(place).is_some() => {
-                z[0] = self.ends.position(place).unwrap_or(z[0]);
-                self.contact.arrives(place);
-                return Err(Stopped::Event(self.progress));
-            }
-            Event::Stop(place) => {
-                self.jumped();
-                self.impact(place, z)?;
             }
             Event::Level(level) => {
                 if let Some(level) = self.dynamics.level_of_network(level, z) {

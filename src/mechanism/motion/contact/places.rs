@@ -85,6 +85,7 @@ impl Places {
     }
 
     /// The set, written or read.
+    #[inline]
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         self.rigid.iter_mut().try_for_each(|has| record.flag("place of a lock", has))?;
         self.bumpers.record(record)

@@ -34,9 +34,11 @@ impl Near {
 
     /// Whether any place may be passed or is behind the mechanism.
     #[inline(always)]
-    pub fn any(&self, ends: &Ends) -> bool {
-        let places = |side: usize| (0..ends.bumpers()).filter_map(move |bumper| ends.bumper(side, bumper));
-        (0..2).any(|side| self.may_pass(ends.limits[side], side) || places(side).any(|p| self.may_pass(p, side)))
+    pub fn any(&self, ends: &Ends, bumpers: usize) -> bool {
+        let is_near = |position: Option<f64>, side: usize| position.is_some_and(|p| self.may_pass(p, side));
+        self.may_pass(ends.limits[0], 0)
+            || self.may_pass(ends.limits[1], 1)
+            || (0..bumpers).any(|k| is_near(ends.bumper(0, k), 0) || is_near(ends.bumper(1, k), 1))
     }
 
     /// Whether a place may be passed or is behind the mechanism.

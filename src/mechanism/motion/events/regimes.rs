@@ -147,8 +147,12 @@ pub(super) fn passage_of_slip<const N: usize>(
     let (low, high) = dynamics.slip_range(joint);
     let dynamics = &RefCell::new(dynamics);
     let time = |s: f64| step.t + s * step.h;
-    let f =
-        |s: f64| dynamics.borrow_mut().excess_of_slip(joint, [time(s), dense.component(0, s), dense.component(1, s)]);
+    let f = |s: f64| {
+        let mut dynamics = dynamics.borrow_mut();
+        dynamics.time = time(s);
+        let v = dynamics.slip(joint, dense.component(0, s), dense.component(1, s));
+        (low - v).max(v - high)
+    };
     let motion = dense.bounded([0, 1]);
     let bounds = |a: f64, b: f64| {
         let [sigma, sigma_dot] = motion.enclosures([a, b]);

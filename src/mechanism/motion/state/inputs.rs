@@ -90,12 +90,12 @@ impl State {
         (self.prescribed.is_none() && self.scratch.air == air).then_some(&self.scratch.panel_force)
     }
 
-    /// Apply inputs that may have changed since the last step, for a step of `h` [s], and return the places where a
-    /// lock is engaged. The change of the loads' potential is work from outside.
+    /// Apply inputs that may have changed since the last step, for a step of `h` [s]. The change of the potential of
+    /// the loads is work from outside.
     ///
     /// # Errors
     /// [`ModelError::Table`], [`ModelError::LoadOverflow`]; nothing has changed.
-    pub(super) fn apply(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<EngagedLocks, ModelError> {
+    pub(super) fn apply(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> Result<(), ModelError> {
         let (air, ahead) = (blows_under(reduced, inputs), inputs.signal.ahead);
         let state_loads = state_loads(reduced.at(self.sigma), air, self.revolutions)?;
         check_ports(reduced, inputs, h)?;
@@ -158,7 +158,7 @@ impl State {
         if saved.prescribed.is_some() && driven.is_none() {
             self.release_prescribed(reduced, locked);
         }
-        Ok(locked)
+        Ok(())
     }
 
     /// Refuse inputs so large that their work or their loads overflow at the start or at the end of a step of `h` [s],

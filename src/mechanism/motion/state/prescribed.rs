@@ -251,11 +251,11 @@ impl State {
             return Err(ModelError::massless(reduced.linkage()));
         }
         let SavedState { sigma, sigma_dot, revolutions, contact, reference, prescribed, .. } = *self.saved;
-        let in_force = self.applied.in_force(inputs);
-        let locked = match in_force {
-            Some(locked) => locked,
-            None => self.apply(reduced, inputs, h)?,
-        };
+        let is_new = !self.applied.are_in_force(inputs);
+        if is_new {
+            self.apply(reduced, inputs, h)?;
+        }
+        let locked = self.applied.locked;
         self.saved.contact.forget_released(locked);
         let begin = Begin { revolutions: self.revolutions, tried: self.memory.tried() };
         let made = self.follow(reduced, inputs, locked, false).and_then(|()| {
@@ -281,7 +281,7 @@ impl State {
         if let Err(error) = &made
             && !matches!(error, ModelError::Interrupted { .. })
         {
-            self.undo(reduced, in_force.is_none());
+            self.undo(reduced, is_new);
             let saved = &mut self.saved;
             (saved.sigma, saved.sigma_dot, saved.revolutions) = (sigma, sigma_dot, revolutions);
             (saved.contact, saved.reference, saved.prescribed) = (contact, reference, prescribed);
@@ -294,9 +294,10 @@ impl State {
     /// [`Self::advance_prescribed`].
     #[inline]
     fn step_within(&mut self, reduced: &Reduced, inputs: &Inputs, h: f64) -> bool {
-        let (Some(drive), Some(locked)) = (&reduced.loading().motion, self.applied.in_force(inputs)) else {
+        let Some(drive) = reduced.loading().motion.as_ref().filter(|_| self.applied.are_in_force(inputs)) else {
             return false;
         };
+        let locked = self.applied.locked;
         let Some(PrescribedState { origin, time, ahead: Some(mut power), .. }) = self.saved.prescribed else {
             return false;
         };

@@ -108,7 +108,7 @@ impl ReducedMotion {
         if !inputs.prescribes() {
             return;
         }
-        if self.state.applied.in_force(inputs).is_none() {
+        if !self.state.applied.are_in_force(inputs) {
             driven.is_shown = true;
             driven.shown.copy_from(&self.state);
             if let Err(error) = driven.shown.preview(reduced, inputs) {

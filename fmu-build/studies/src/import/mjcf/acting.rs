@@ -3,9 +3,10 @@
 //! In: elements that name bodies, joints and sites. Out: connections, couplings, struts, springs and drives.
 
 use super::super::couple::Ratio;
-use super::super::spatial::{Acting, Control, Drive, Hinge, Spring, Strut, add, dot, scaled, turned};
+use super::super::spatial::{Acting, Control, Drive, Hinge, Spring, Strut, add, after, dot, scaled, turned};
 use super::super::xml::Element;
-use super::{Frame, Mjcf};
+use super::Mjcf;
+use super::frames::{Frame, of_quaternion};
 use anyhow::{Context, Result, bail, ensure};
 
 /// Largest difference of poses that counts as rounding of the file.
@@ -117,7 +118,7 @@ impl Mjcf {
         if let Some([a, b]) = sites {
             (other, wanted) = (b, a);
         } else if let Some([x, y, z, q @ ..]) = pose {
-            let rotation = super::after(&one.1, &super::of_quaternion(q));
+            let rotation = after(&one.1, &of_quaternion(q));
             // The pose is that of the anchor in the frame of the second body.
             let anchor = node.fixed("anchor")?.unwrap_or([0.0; 3]);
             let place = add(one.0, turned(&one.1, [x, y, z]));

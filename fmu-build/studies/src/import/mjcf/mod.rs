@@ -5,20 +5,18 @@
 
 mod acting;
 mod defaults;
+mod frames;
 mod table;
 
 use super::masses::{Part, Shape, bounded, in_space, symmetric, together};
-use super::spatial::{Acting, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
-use super::spatial::{about, add, after, cross, dot, scaled, turned, unit};
+use super::spatial::{Acting, Hinge, SAME, Solid, Space, Spring, add, scaled, turned, unit};
 use super::xml::{Element, rejected, unread};
 use anyhow::{Context, Result, bail, ensure};
+use frames::{Frame, along};
 pub use table::{TABLE, group};
 
 /// Default density of MuJoCo's geoms [kg/m3].
 const DENSITY: f64 = 1000.0;
-
-/// A position and a rotation in space.
-type Frame = (Vector, Rotation);
 
 /// Parts of MuJoCo's computation that `<flag>` can disable.
 #[derive(Clone, Copy)]
@@ -178,36 +176,6 @@ impl Mjcf {
 
     fn angle(&self, value: f64) -> f64 {
         if self.in_degrees { value.to_radians() } else { value }
-    }
-
-    /// Position and rotation of an element in the frame of its parent.
-    fn frame(&self, node: &Element, (place, rotation): Frame) -> Result<Frame> {
-        let own = node.fixed("pos")?.unwrap_or([0.0; 3]);
-        let direction = |v: Vector, key: &str| {
-            unit(v).with_context(|| {
-                format!("{}: the vector of {key} is zero: write a vector whose length is not zero", node.at())
-            })
-        };
-        let mut inner = SAME;
-        if let Some(quat) = node.fixed("quat")? {
-            inner = of_quaternion(quat);
-        } else if let Some([x, y, z, angle]) = node.fixed("axisangle")? {
-            inner = about(direction([x, y, z], "axisangle")?, self.angle(angle));
-        } else if let Some(angles) = node.fixed::<3>("euler")? {
-            for (letter, angle) in self.sequence.chars().zip(angles) {
-                let axis = SAME["xyz".find(letter.to_ascii_lowercase()).unwrap_or_default()];
-                let turn = about(axis, self.angle(angle));
-                // Lower-case letters are rotations about the axes after the previous rotations.
-                inner = if letter.is_ascii_lowercase() { after(&inner, &turn) } else { after(&turn, &inner) };
-            }
-        } else if let Some([a, b, c, d, e, f]) = node.fixed("xyaxes")? {
-            let x = direction([a, b, c], "xyaxes")?;
-            let y = direction(add([d, e, f], scaled(x, -dot(x, [d, e, f]))), "xyaxes")?;
-            inner = [x, y, cross(x, y)];
-        } else if let Some(z) = node.fixed("zaxis")? {
-            inner = least_turn(direction(z, "zaxis")?);
-        }
-        Ok((add(place, turned(&rotation, own)), after(&rotation, &inner)))
     }
 
     /// Read the contents of the body with the index `own`, or of a frame in it, which adds to the mass properties of
@@ -429,27 +397,4 @@ impl Mjcf {
         ensure!(!is_shell, "{}: shellinertia is not supported: give the body an <inertial>", node.at());
         Ok(Some(shape.part(mass, density.unwrap_or(DENSITY), at.0, &at.1)))
     }
-}
-
-/// The rotation of a quaternion of any length.
-fn of_quaternion([w, x, y, z]: [f64; 4]) -> Rotation {
-    let half = (x * x + y * y + z * z).sqrt();
-    unit([x, y, z]).map_or(SAME, |axis| about(axis, 2.0 * half.atan2(w)))
-}
-
-/// The rotation with the smallest angle from z to a direction.
-fn least_turn(z: Vector) -> Rotation {
-    let axis = cross(SAME[2], z);
-    let angle = dot(axis, axis).sqrt().atan2(z[2]);
-    about(unit(axis).unwrap_or(SAME[0]), angle)
-}
-
-/// Frame and length of a shape between two ends.
-fn along(node: &Element, [ax, ay, az, bx, by, bz]: [f64; 6], frame: Frame) -> Result<(Frame, f64)> {
-    let (a, b) = ([ax, ay, az], [bx, by, bz]);
-    let between = add(a, scaled(b, -1.0));
-    let direction = unit(between)
-        .with_context(|| format!("{}: the two ends in fromto are at the same place: move one end", node.at()))?;
-    let place = add(frame.0, turned(&frame.1, scaled(add(a, b), 0.5)));
-    Ok(((place, after(&frame.1, &least_turn(direction))), dot(between, between).sqrt()))
 }
