@@ -194,7 +194,7 @@ fn natural_acceleration(reduced: &Reduced, inputs: &[f64], sigma: f64) -> f64 {
 fn held_by<'a>(reduced: &'a Reduced, travel: &Travel, here: f64) -> Option<&'a str> {
     let near = 1e-9 * (reduced.scale() + here.abs());
     let (place, _) = travel.places().find(|(_, position)| (position - here).abs() <= near)?;
-    let stop = match place.bumper {
+    let stop = match place.bumper() {
         Some(bumper) => travel.bumpers[bumper].stop,
         None => travel.rigid[place.side]?.stop,
     };

@@ -373,7 +373,7 @@ impl Model {
             Transition::Release(place) => {
                 state.contact.released();
                 let other = state.travel.places().find(|(other, position)| {
-                    *other != place && other.bumper.is_none() && state.travel.position(place) == Some(*position)
+                    *other != place && other.bumper().is_none() && state.travel.position(place) == Some(*position)
                 });
                 if let Some((other, _)) = other {
                     state.contact.rests(other, false);

@@ -112,7 +112,7 @@ impl Travel {
     /// sigma at a place, counted on over whole revolutions.
     #[inline]
     pub fn position(&self, place: Place) -> Option<f64> {
-        match place.bumper {
+        match place.bumper() {
             None => self.end(place.side),
             Some(bumper) => self.bumpers.get(bumper)?.positions[place.side],
         }
@@ -121,7 +121,7 @@ impl Travel {
     /// Index of the stop at a place, and the derivative along sigma of its displacement there.
     #[inline]
     pub fn stop(&self, place: Place) -> Option<(usize, f64)> {
-        match place.bumper {
+        match place.bumper() {
             None => self.rigid[place.side].map(|end| (end.stop, end.slope)),
             Some(bumper) => self.bumpers.get(bumper).map(|bumper| (bumper.stop, bumper.slopes[place.side])),
         }
@@ -142,7 +142,7 @@ impl Travel {
 
     /// Whether a lock of this stop acts at a place.
     pub fn holds(&self, place: Place, stop: usize) -> bool {
-        match place.bumper {
+        match place.bumper() {
             Some(bumper) => self.bumpers[bumper].stop == stop,
             None => {
                 self.rigid[place.side].is_some_and(|end| end.stop == stop) || self.beside.contains(&(place.side, stop))
@@ -192,7 +192,7 @@ impl<'a> Ends<'a> {
     /// Whether a lock is engaged at a place.
     #[inline]
     pub fn is_locked(&self, place: Place) -> bool {
-        match place.bumper {
+        match place.bumper() {
             None => self.locked.rigid[place.side],
             Some(bumper) => self.locked.bumpers.contains(bumper),
         }
@@ -201,13 +201,13 @@ impl<'a> Ends<'a> {
     /// Whether a lock is engaged at a place that holds against any load.
     #[inline]
     pub fn is_fast(&self, place: Place) -> bool {
-        self.is_locked(place) && !(place.bumper.is_none() && self.travel.grips[place.side].is_some())
+        self.is_locked(place) && !(place.bumper().is_none() && self.travel.grips[place.side].is_some())
     }
 
     /// Generalised force up to which an engaged lock with a release force holds at a place; 0 without such a lock.
     #[inline]
     pub fn grip(&self, place: Place) -> f64 {
-        match place.bumper {
+        match place.bumper() {
             None if self.locked.rigid[place.side] => self.travel.grips[place.side].unwrap_or(0.0),
             _ => 0.0,
         }
@@ -217,7 +217,7 @@ impl<'a> Ends<'a> {
     /// bumper]; infinite where none waits.
     #[inline]
     pub fn engages_at(&self, place: Place) -> f64 {
-        let least = match place.bumper {
+        let least = match place.bumper() {
             None => self.travel.engages[place.side],
             Some(bumper) => self.travel.bumpers[bumper].engages,
         };
@@ -234,14 +234,14 @@ impl<'a> Ends<'a> {
     /// holds it, or a lock does whose release force `acceleration`, sigma_ddot without both, does not exceed.
     #[inline]
     pub fn is_held(&self, place: Place, acceleration: f64) -> bool {
-        place.bumper.is_none() && acceleration * place.outward() >= -self.grip(place)
+        place.bumper().is_none() && acceleration * place.outward() >= -self.grip(place)
     }
 
     /// Whether a mechanism at rest at a place stays there without a lock: the stop is rigid, and `acceleration`,
     /// sigma_ddot without the stop, does not point away from it.
     #[inline]
     pub fn is_pressed(&self, place: Place, acceleration: f64) -> bool {
-        place.bumper.is_none() && acceleration * place.outward() >= 0.0
+        place.bumper().is_none() && acceleration * place.outward() >= 0.0
     }
 }
 

@@ -418,7 +418,7 @@ impl State {
         let travel = &*self.travel;
         travel.places().filter(|(place, _)| travel.holds(*place, stop)).any(|(place, position)| {
             let past = (self.sigma - (position - shift)) * place.outward();
-            past == 0.0 || past > 0.0 && (place.bumper.is_none() || self.is_beyond(reduced, stop))
+            past == 0.0 || past > 0.0 && (place.bumper().is_none() || self.is_beyond(reduced, stop))
         })
     }
 

@@ -130,7 +130,7 @@ impl<N: Reading> View<'_, N> {
         let here = self.displaced(drive);
         if let Some(place) = state.contact.at_rest() {
             let ends = state.ends(self.reduced, &self.inputs.locks);
-            let holds = |place| ends.is_fast(place) || place.bumper.is_none() && place.side == side;
+            let holds = |place| ends.is_fast(place) || place.bumper().is_none() && place.side == side;
             if holds(place) || ends.at(state.sigma).any(holds) {
                 return Ok(here);
             }

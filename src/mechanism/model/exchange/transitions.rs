@@ -58,7 +58,7 @@ fn bumper(view: &mut View<f64>, bumper: usize) -> Result<f64, OutputError> {
 /// a lock or without contact.
 fn press(view: &mut View<f64>, ends: &Ends, place: Place) -> Result<Option<f64>, OutputError> {
     let (least, contact) = (ends.engages_at(place), view.state.contact);
-    Ok(match place.bumper {
+    Ok(match place.bumper() {
         _ if !least.is_finite() => None,
         Some(k) if contact.touching().contains(k) => Some(bumper(view, k)? - least),
         None if contact.at_rest() == Some(place) => Some(view.forces()?.free * place.outward() - least),

@@ -64,13 +64,13 @@ where
     #[inline(never)]
     pub(super) fn impact(&mut self, place: Place, z: &mut [f64; N]) -> Result<(), Stopped> {
         let Some(position) = self.ends.position(place) else { return Ok(()) };
-        if place.bumper.is_none() && self.ends.travel.rigid[place.side].is_none() {
+        if place.bumper().is_none() && self.ends.travel.rigid[place.side].is_none() {
             return Err(Stopped::EndsMeet(place.side));
         }
         self.progress.work.impacts += 1;
         z[0] = position;
         let before = 0.5 * z[1] * z[1];
-        let is_rigid = |place: Place| place.bumper.is_none();
+        let is_rigid = |place: Place| place.bumper().is_none();
         // Between two rigid stops at one place there is no motion.
         let is_caught = is_rigid(place) && self.ends.is_at_rigid(1 - place.side, position);
         let latch = if self.ends.is_locked(place) { Some(place) } else { self.lock_at(position) };
@@ -160,7 +160,7 @@ where
         if let Some((stop, slope)) = self.ends.travel.stop(place) {
             let impact = Impact { slope, before, after };
             if impact.comes_from_within(place.side) {
-                self.witness.impact(self.progress.t, (stop, place.bumper.is_none()), impact);
+                self.witness.impact(self.progress.t, (stop, place.bumper().is_none()), impact);
             }
         }
     }

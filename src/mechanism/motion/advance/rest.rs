@@ -352,7 +352,7 @@ where
         let inward = -place.outward();
         self.dynamics.clear_regimes();
         // As in `wait_until`: friction that sticks is static.
-        Ok(place.bumper.is_none() && self.dynamics.setting_off(sigma, inward)? * inward <= self.ends.grip(place))
+        Ok(place.bumper().is_none() && self.dynamics.setting_off(sigma, inward)? * inward <= self.ends.grip(place))
     }
 }
 

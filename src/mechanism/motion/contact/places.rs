@@ -10,8 +10,8 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 pub struct Place {
     /// 0: the low side of sigma, 1: the high one.
     pub side: usize,
-    /// Index of the bumper; none at the rigid stop that ends the travel.
-    pub bumper: Option<usize>,
+    /// Index of the bumper; none at the rigid stop that ends the travel. A byte keeps saved states small.
+    bumper: Option<u8>,
 }
 
 /// A set of places.
@@ -46,7 +46,13 @@ impl Place {
     /// Place where a bumper begins.
     #[inline]
     pub fn of_bumper(side: usize, bumper: usize) -> Self {
-        Self { side, bumper: Some(bumper) }
+        Self { side, bumper: Some(bumper as u8) }
+    }
+
+    /// Index of the bumper; none at the rigid stop that ends the travel.
+    #[inline]
+    pub fn bumper(self) -> Option<usize> {
+        self.bumper.map(usize::from)
     }
 
     /// Sign of sigma_dot of a motion that comes to it from within the travel.
@@ -58,9 +64,12 @@ impl Place {
     /// The place, written or read.
     pub fn record(&mut self, record: &mut Record) -> Result<(), Damaged> {
         record.place("side of the travel", &mut self.side, 2)?;
-        record.option("bumper", &mut self.bumper, usize::default, |record, bumper| {
+        let mut bumper = self.bumper();
+        record.option("bumper", &mut bumper, usize::default, |record, bumper| {
             record.place("bumper", bumper, BumperSet::CAPACITY)
-        })
+        })?;
+        self.bumper = bumper.map(|bumper| bumper as u8);
+        Ok(())
     }
 }
 
@@ -68,7 +77,7 @@ impl Places {
     /// Whether a place is in the set.
     #[inline]
     pub fn contains(self, place: Place) -> bool {
-        match place.bumper {
+        match place.bumper() {
             None => self.rigid[place.side],
             Some(bumper) => self.bumpers.contains(bumper),
         }
@@ -77,7 +86,7 @@ impl Places {
     /// The set with a place.
     #[must_use]
     pub fn with(mut self, place: Place) -> Self {
-        match place.bumper {
+        match place.bumper() {
             None => self.rigid[place.side] = true,
             Some(bumper) => self.bumpers = self.bumpers.with(bumper),
         }
@@ -108,7 +117,7 @@ impl EngagedLocks {
     /// With the lock that waits at a place engaged.
     #[must_use]
     pub fn engaging(mut self, place: Place) -> Self {
-        match place.bumper {
+        match place.bumper() {
             None => self.waiting_rigid[place.side] = false,
             Some(bumper) => self.waiting_bumpers = self.waiting_bumpers.without(bumper),
         }

@@ -44,7 +44,7 @@ impl Near {
     /// Whether a place may be passed or is behind the mechanism.
     #[inline]
     pub fn may_pass_place(&self, ends: &Ends, place: Place) -> bool {
-        let position = match place.bumper {
+        let position = match place.bumper() {
             None => Some(ends.limits[place.side]),
             Some(bumper) => ends.bumper(place.side, bumper),
         };
@@ -77,7 +77,7 @@ impl Near {
     ) -> Option<f64> {
         let position = ends.position(place)?;
         let leaving = self.beyond(position, place.side) >= 0.0;
-        let touches = place.bumper.is_some_and(|bumper| contact.touching().contains(bumper));
+        let touches = place.bumper().is_some_and(|bumper| contact.touching().contains(bumper));
         let meets = || dense.first_passage(0, position, towards(place.outward()), leaving);
         let met = if touches { None } else { meets() };
         [met, self.caught(ends, place, dense)].into_iter().flatten().reduce(f64::min)
