@@ -209,8 +209,8 @@ fn the_input_releases_a_latch_under_a_prescribed_motion() {
     assert!(!run.is("latch.engaged"));
 }
 
-/// The friction of a belt presses the block against the stop, with belt speed and load as parabolas in time: the largest
-/// force within a step decides, though the friction is no polynomial of degree 4 in time.
+/// The friction of a belt presses the block against the stop, with belt speed and load as parabolas in time. The
+/// largest force within a step decides, though the friction is no polynomial of degree 4 in time.
 #[test]
 fn a_latch_engages_by_the_friction_of_a_belt() {
     let parabola = |[a, b, c]: [f64; 3], t: f64| a + t * (b + 0.5 * t * c);

@@ -55,8 +55,8 @@ where
         }
     }
 
-    /// A body that its surface holds turns back with it: at the time at which the speed of the surface is 0 to rounding,
-    /// so that the body is on the surface then too.
+    /// A body that its surface holds turns back with it: at the time at which the speed of the surface is 0 to
+    /// rounding, so that the body is on the surface then too.
     #[cold]
     pub(super) fn turn_with_surface(&mut self, z: &[f64; N]) {
         let is_held = self.clinging().is_some_and(|joint| self.dynamics.is_held(joint));
