@@ -269,7 +269,7 @@ impl Signals {
     fn row(&self, time: f64, after_event: bool) -> usize {
         let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = match times.partition_point(|t| *t < time) {
-            0 => return 0,
+            0 => 0,
             next if next > last => return last,
             next => next - 1,
         };
@@ -283,12 +283,12 @@ impl Signals {
     fn place(&self, time: f64, after_event: bool) -> Place {
         let (times, last) = (&self.times, self.times.len().saturating_sub(1));
         let mut row = times.partition_point(|t| *t < time);
-        if last == 0 || row == 0 || row > last {
+        if last == 0 || row > last {
             return Place::At { row: row.min(last), slope: None };
         }
         let is_jump = |row: usize| row < last && self.is_close(times[row], times[row + 1]);
         if !(self.is_close(time, times[row]) && is_jump(row)) {
-            return Place::Between(row - 1);
+            return row.checked_sub(1).map_or(Place::At { row, slope: None }, Place::Between);
         }
         while after_event && is_jump(row) {
             row += 1;
@@ -373,6 +373,13 @@ mod tests {
         assert_eq!(at(&signals, 2.0, true), (12.0, 1.0));
         assert_eq!(at(&signals, 9.0, true), (14.0, 1.0));
         assert_eq!([0.0, 0.5, 1.0].map(|time| signals.next_event(time)), [1.0, 1.0, f64::INFINITY]);
+    }
+
+    #[test]
+    fn a_jump_at_the_first_time_acts_from_the_start() {
+        let signals = signals(&[0.0, 0.0, 1.0], &[2.0, 4.0, 5.0], &[0.0, 1.0, 1.0]);
+        assert_eq!([-1.0, 0.0].map(|time| at(&signals, time, false)), [(2.0, 0.0); 2]);
+        assert_eq!([-1.0, 0.0, 0.5].map(|time| at(&signals, time, true)), [(2.0, 0.0), (4.0, 1.0), (4.5, 1.0)]);
     }
 
     #[test]

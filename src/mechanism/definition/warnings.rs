@@ -92,11 +92,11 @@ impl Mechanism {
             )),
             Some(false) => {}
             Some(true) => {
-                let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind == JointKind::Prismatic;
+                let rubs = |joint: &super::Joint| joint.pin_radius.is_some() || joint.kind != JointKind::Revolute;
                 if !self.joints.iter().any(|(_, joint)| rubs(joint)) {
                     let remedy = "give the key `pin_radius` for the joints with friction";
                     let message = "friction is enabled, but no joint has friction: no revolute joint has a \
-                                   `pin_radius`, and there is no prismatic joint";
+                                   `pin_radius`, and there is no prismatic joint or slot";
                     all.push(Finding::warning("friction.enabled", message, remedy));
                 }
             }

@@ -6,6 +6,7 @@
 //! the span (`step_ahead.rs`). Must not know: loads.
 use crate::integrator::{Dense, IntegrationError, Integrator, Step, System};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::contact::{Contact, Ends};
 use crate::mechanism::motion::events::{Event, Found, REGIME_TOLERANCE, earliest_event, just_after};
@@ -161,7 +162,7 @@ where
             *z = state;
             self.progress.t += h;
             // Where a surface holds its body, each step is searched for events.
-            if N > 2 && dense.is_some() {
+            if N == MOTION && dense.is_some() {
                 self.keep_on_surface(z);
             }
             self.refine(dense.is_some(), h);

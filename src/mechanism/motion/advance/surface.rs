@@ -5,6 +5,7 @@
 use super::{Advance, Stopped};
 use crate::integrator::System;
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::mechanism::motion::witness::What;
 
@@ -16,10 +17,11 @@ impl<'e, const N: usize> Advance<'_, 'e, N>
 where
     EquationOfMotion<'e>: System<N>,
 {
-    /// The friction joint whose driven surface can hold its body.
+    /// The friction joint whose driven surface can hold its body; none in a motion with other states, for which nothing
+    /// of it is compiled.
     #[inline(always)]
     pub(super) fn clinging(&self) -> Option<usize> {
-        self.dynamics.deciding::<N>()?.clings
+        if N == MOTION { self.dynamics.deciding::<N>()?.clings } else { None }
     }
 
     /// Whether a surface holds its body follows from the state. No step goes on beyond the span: what its interpolant

@@ -64,7 +64,7 @@ where
                 return self.wait_at_rest(z, span);
             }
             if settles {
-                if state_loads.clings.is_some() {
+                if self.clinging().is_some() {
                     self.settle_on_surface(z)?;
                 }
                 if state_loads.switches() > 0 {

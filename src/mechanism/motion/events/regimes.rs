@@ -5,6 +5,7 @@
 use super::REGIME_TOLERANCE;
 use crate::integrator::{Dense, Step};
 use crate::mechanism::dynamics::equation::EquationOfMotion;
+use crate::mechanism::dynamics::hydraulic::MOTION;
 use crate::mechanism::loads::friction_loop::Locked;
 use crate::numerics::bracket::false_position;
 use crate::numerics::enclosure::{Enclosure, Interval};
@@ -141,7 +142,7 @@ pub(super) fn passage_of_slip<const N: usize>(
     dense: &Dense<N>,
 ) -> Option<f64> {
     const PARTS: usize = 8;
-    if dynamics.is_held(joint) {
+    if N == MOTION && dynamics.is_held(joint) {
         return end_of_hold(dynamics, joint, step, dense);
     }
     let (low, high) = dynamics.slip_range(joint);
