@@ -263,7 +263,8 @@ def test_the_client_of_a_cluster_does_not_grow_with_the_runs(fmu: Path, tmp_path
         time.sleep(0.05)
         try:
             done = journal.stat().st_size / (300_000 * 8 * (len(FACTORS) + 1))
-            if done > 0.3:
+            # During the runs: after them the client writes the table.
+            if 0.3 < done < 1.0:
                 client = Path("/proc", str(processes(process.pid, "cluster.py")[0]))
                 taken.append(1024.0 * int((client / "status").read_text().split("VmRSS:")[1].split()[0]))
         except (OSError, IndexError):
