@@ -151,7 +151,7 @@ impl<const N: usize> Lookahead<N> {
     }
 
     /// State at the end of a communication step of `h` [s] with this tolerance and the same inputs, so with the same
-    /// locks, if a step ahead goes on beyond it.
+    /// locks, if a step ahead extends beyond it.
     #[inline(always)]
     pub fn read_within(&mut self, h: f64, tolerance: f64) -> Option<[f64; N]> {
         if tolerance != self.tolerance {

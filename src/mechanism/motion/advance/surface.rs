@@ -24,7 +24,7 @@ where
         if N == MOTION { self.dynamics.deciding::<N>()?.clings } else { None }
     }
 
-    /// Whether a surface holds its body follows from the state. No step goes on beyond the span: what its interpolant
+    /// Whether a surface holds its body follows from the state. No step extends beyond the span: what its interpolant
     /// has there is not exactly on the surface.
     #[cold]
     pub(super) fn settle_on_surface(&mut self, z: &mut [f64; N]) -> Result<(), Locked> {
