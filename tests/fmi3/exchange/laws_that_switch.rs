@@ -272,7 +272,7 @@ fn a_conveyor_that_holds_its_parcel_is_exchanged() {
     let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
     run.initialize().unwrap();
     run.model_mut().listen(true, false);
-    let (mut count, mut told) = (0, 0);
+    let (mut count, mut reported) = (0, 0);
     let all = ["slide.position", "slide.speed", "slide.slip_speed", "slide.friction_force", "slide.surface_power"];
     for k in 0..20 {
         if k == 10 {
@@ -289,11 +289,11 @@ fn a_conveyor_that_holds_its_parcel_is_exchanged() {
         }
         count += integrate(&fmu, 0.2, 5e-4).len();
         run.step(0.2).unwrap();
-        told += run.model_mut().take_occurrences(0.0).len();
+        reported += run.model_mut().take_occurrences(0.0).len();
         for name in all {
             let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());
             assert!((value - exact).abs() < 1e-7 * (1.0 + exact.abs()), "{k} {name}: {value} {exact}");
         }
     }
-    assert_eq!((count, told), (7, 7));
+    assert_eq!((count, reported), (7, 7));
 }
