@@ -18,16 +18,12 @@
 //! # Invariants
 //! No allocation, lock or text in a step, a get or a set. A call that returns an error changes nothing. Inputs and
 //! outputs are finite. An element that does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
-pub mod codec;
+pub use foundation::{codec, format, inspection, integrator, numerics, variables};
+pub use ::hydraulics;
+
 pub mod component;
 pub mod fmi;
 pub mod fmi2;
 pub mod fmi3;
-pub mod format;
-pub mod hydraulics;
-pub mod inspection;
-pub mod integrator;
 pub mod mechanism;
-pub mod numerics;
 pub mod simulation;
-pub mod variables;

@@ -3,8 +3,8 @@
 //! In: values and derivatives from the host. Out: each input as a polynomial in time, counted from the communication
 //! point; the instants within a step at which the law of the command has a kink. It must not know what they act on.
 use super::definition::Command;
-use crate::hydraulics::common::{HostInputs, SPEED_ORDER};
-use crate::numerics::decimal::Decimal;
+use crate::common::{HostInputs, SPEED_ORDER};
+use foundation::numerics::decimal::Decimal;
 use std::f64::consts::TAU;
 
 /// An input, by its index.

@@ -4,7 +4,7 @@
 use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS};
 use super::laws::{Drive, Laws, Point};
 use super::layout::Total;
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 /// A computed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
