@@ -77,6 +77,7 @@ pub const INPUTS: usize = 13;
 /// Values and time derivatives of the inputs; see [`HostInputs`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
+    /// Values.
     pub values: [f64; INPUTS],
     /// Derivatives of the orders 1 to 4.
     pub rates: [[f64; SPEED_ORDER]; INPUTS],
@@ -354,8 +355,11 @@ pub fn clipping(command: f64) -> String {
 /// Pressures of the ports and the command during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
+    /// Pressure of the supply port [Pa].
     pub supply: Polynomial,
+    /// Pressure of the tank port [Pa].
     pub tank: Polynomial,
+    /// Command of the valve, from -1 to 1.
     pub command: CommandSignal,
 }
 

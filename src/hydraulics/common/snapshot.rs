@@ -3,10 +3,10 @@
 //! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which
 //! continues with identical results; the record of a snapshot. It must not know FMI.
 use super::{HostInputs, Kind, Model, Parameters, Quantity};
+use crate::error::HydraulicsError;
 use foundation::codec::checksum::fnv1a;
 use foundation::codec::record::{Damaged, Record};
 use foundation::codec::writer::Writer;
-use crate::error::HydraulicsError;
 use foundation::numerics::bits::same_bits;
 use std::sync::Arc;
 

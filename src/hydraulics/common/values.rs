@@ -3,9 +3,9 @@
 //! In: references, values from the host. Out: values; a refusal by name that changes nothing. It must not know how a
 //! value is computed.
 use super::{HostInputs, Kind, Model, Original, Parameters, Quantity};
-use foundation::format::{About, DefinitionError, Experiment};
 use crate::definition::{ABOVE_VACUUM, is_pressure};
 use crate::error::HydraulicsError;
+use foundation::format::{About, DefinitionError, Experiment};
 use foundation::variables::{Reference, Value, Variable, Variables};
 use std::sync::Arc;
 

@@ -6,13 +6,13 @@
 mod circuit;
 mod sections;
 
+pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 use foundation::format::{
     About, DefinitionError, Element, Experiment, Faults, Key, Numbers, Owner, Range, element, keys, number, read_with,
     words,
 };
 pub use foundation::format::{Role, Visit};
 use foundation::variables::Unit;
-pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
 pub use sections::*;
 
 /// Name of the definition file of a hydraulic actuator.

@@ -4,7 +4,6 @@
 //! It must not know outputs.
 use super::warnings::{self, Warning};
 use super::{Model, is_same_step, point};
-use foundation::format::Range;
 use crate::circuit::{EVENTS, SLACK};
 use crate::definition::{ABOVE_VACUUM, Mode, is_pressure};
 use crate::error::HydraulicsError;
@@ -12,6 +11,7 @@ use crate::inputs::Input;
 use crate::interface::Quantity;
 use crate::state::{self, Blind, Foreseen, Setting, State, interrupted};
 use crate::systems::{LENGTH, SPEED};
+use foundation::format::Range;
 use foundation::integrator::SHORTEST;
 use foundation::variables::{Reference, Variables};
 

@@ -1,11 +1,11 @@
 //! Warnings of a step to its host, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
-use foundation::codec::record::{Damaged, Record};
 use crate::circuit::Point;
 use crate::inputs::{Input, Inputs, clipping};
 use crate::outputs::stable_step;
 use crate::state::{Blind, Setting, State};
+use foundation::codec::record::{Damaged, Record};
 use foundation::numerics::decimal::Decimal;
 
 /// Kinds of warnings.

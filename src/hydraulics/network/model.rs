@@ -15,15 +15,15 @@ use super::layout::{Input, Layout, Part};
 use super::outputs::{Ahead, Output, Present, ahead, blind};
 use super::state::{Setting, State};
 use super::system::Motion;
-use foundation::codec::record::{Damaged, Record};
-use foundation::format::{About, DefinitionError, Experiment, Range, Visit};
 use crate::common::{self, Kind};
 use crate::definition::check_pressure;
 use crate::error::HydraulicsError;
+use cache::Cache;
+use foundation::codec::record::{Damaged, Record};
+use foundation::format::{About, DefinitionError, Experiment, Range, Visit};
 use foundation::inspection::Finding;
 use foundation::integrator::Statistics;
 use foundation::variables::{Reference, Terminal, Variable};
-use cache::Cache;
 use warnings::Warnings;
 
 /// The kind of a hydraulic system.

@@ -11,8 +11,8 @@ use super::inputs::Inputs;
 use super::laws::{Drive, Element, Laws, Rest};
 use super::layout::Part;
 use super::system::{Job, Memory, Motion};
-use foundation::codec::record::{Damaged, Record};
 use crate::error::HydraulicsError;
+use foundation::codec::record::{Damaged, Record};
 use foundation::integrator::Statistics;
 use foundation::numerics::dual::{Dual, Number};
 

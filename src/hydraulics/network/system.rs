@@ -10,10 +10,10 @@ use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
 use super::inputs::{Inputs, limits};
 use super::laws::{Cylinder, Drive, Laws, Rest};
 use super::layout::Layout;
-use foundation::codec::record::{Damaged, Record};
 use crate::circuit::FREE;
 use crate::error::HydraulicsError;
 use crate::inputs::Polynomial;
+use foundation::codec::record::{Damaged, Record};
 use foundation::integrator::{Direction, IntegrationError, Integrator, Statistics, Step, System};
 use foundation::numerics::dual::{Dual, Number};
 

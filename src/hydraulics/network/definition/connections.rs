@@ -5,8 +5,8 @@
 use super::{
     CAPACITY, HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS,
 };
-use foundation::format::{DefinitionError, Faults, Range};
 use crate::definition::check_pressure;
+use foundation::format::{DefinitionError, Faults, Range};
 use foundation::numerics::decimal::Decimal;
 use foundation::variables::nearest;
 

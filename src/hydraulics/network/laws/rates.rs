@@ -77,6 +77,7 @@ pub enum Drive<T> {
 /// A piston at rest on an end of its cylinder: the force of the cylinder is the load of the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest<T> {
+    /// Element that the cylinder moves.
     pub element: Element<T>,
     /// Length of the cylinder there [m].
     pub end: f64,

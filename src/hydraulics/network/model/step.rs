@@ -3,7 +3,6 @@
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
 use super::Model;
-use foundation::format::Range;
 use crate::circuit::SLACK;
 use crate::definition::{ABOVE_VACUUM, is_pressure};
 use crate::error::HydraulicsError;
@@ -12,6 +11,7 @@ use crate::network::definition::Mode;
 use crate::network::inputs::range;
 use crate::network::layout::{Input, Part};
 use crate::state::interrupted;
+use foundation::format::Range;
 use foundation::integrator::SHORTEST;
 use foundation::variables::Reference;
 

@@ -2,10 +2,10 @@
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::Parameters;
-use foundation::codec::record::{Damaged, Record};
 use crate::network::laws::empty_words;
 use crate::network::layout::{Input, Part};
 use crate::network::state::{Foreseen, Setting, State, Toggle};
+use foundation::codec::record::{Damaged, Record};
 use foundation::numerics::decimal::Decimal;
 
 /// Kinds of warnings.

@@ -3,13 +3,13 @@
 //! In: the state, inputs. Out: whether the end holds the piston, and the impulse by which the force of the cylinder
 //! brings what it moves there. It must not know how a step is made.
 use super::{Last, Setting, State};
-use foundation::codec::record::{Damaged, Record};
 use crate::circuit::{SLACK, settling_reach};
 use crate::error::HydraulicsError;
 use crate::network::definition::MOST_CYLINDERS;
 use crate::network::laws::{Drive, Element, Rest};
 use crate::network::layout::Part;
 use crate::network::system::Motion;
+use foundation::codec::record::{Damaged, Record};
 use foundation::numerics::dual::Number;
 
 /// Length beyond an end of the cylinder that what it moves may have, besides the way of a step [m].
