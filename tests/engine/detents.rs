@@ -123,7 +123,7 @@ fn a_detent_at_a_bumper_or_with_another_lock_is_refused() {
     let bumper = detent(json!({ "stops": { "end": { "rigid": false, "stiffness": 1e4, "restitution": 0 } } }));
     assert_says(refusal(bumper), &["locks.detent.release_force", "bumper"]);
     let two = detent(json!({ "locks": { "other": { "stop": "end", "at": "block.origin" } } }));
-    assert_says(refusal(two), &["locks.detent.release_force", "another lock"]);
+    assert_says(refusal(two), &["locks.detent.release_force", "the lock other"]);
     let none = detent(json!({ "locks": { "detent": { "release_force": 0 } } }));
     assert_says(refusal(none), &["locks.detent.release_force", "> 0"]);
 }

@@ -319,12 +319,12 @@ fn a_latch_with_a_release_force_or_another_lock_is_rejected() {
     let detent = latch(json!({ "locks": { "latch": { "release_force": 5 } } }));
     assert_says(refusal(detent), &["locks.latch.engage_force", "remove engage_force or release_force"]);
     let two = latch(json!({ "locks": { "other": { "stop": "end", "at": "block.origin" } } }));
-    assert_says(refusal(two), &["locks.latch.engage_force", "another lock"]);
+    assert_says(refusal(two), &["locks.latch.engage_force", "the lock other"]);
     let at_same_place = latch(json!({
         "stops": { "wall": { "joint": "slide", "limit": "lower", "position": 0 } },
         "locks": { "other": { "stop": "wall", "at": "block.origin" } },
     }));
-    assert_says(refusal(at_same_place), &["locks.latch.engage_force", "another lock"]);
+    assert_says(refusal(at_same_place), &["locks.latch.engage_force", "the lock other"]);
     let none = latch(json!({ "locks": { "latch": { "engage_force": 0 } } }));
     assert_says(refusal(none), &["locks.latch.engage_force", "> 0"]);
 }
