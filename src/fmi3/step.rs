@@ -42,24 +42,24 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> Status {
     const FUNCTION: Function = Function::new("fmi3DoStep", STEP);
     let answers = Answers { event_needed, terminate, early_return, last };
-    let mut pauses_left = MOST_UPDATES;
+    let (mut pauses_left, mut has_paused) = (MOST_UPDATES, false);
     let step = |i: &mut Instance| {
         // SAFETY: each pointer points to memory for one value (4.2.2).
         unsafe {
             answers.check()?;
             let stepped = i.do_step(point, h, &mut pauses_left);
-            // Fast path: a step that has reached its end.
-            if stepped.is_ok() && i.phase == Phase::Step && !i.awaits_event {
-                answers.write(false, false, i.clock.time);
+            // Fast path: a step that needs no event handling and has not paused.
+            if stepped.is_ok() && i.phase == Phase::Step {
+                answers.write(i.awaits_event, i.clock.time < point + h, i.clock.time);
             } else {
-                answers.write_end(i, is_done(&stepped), point + h);
+                has_paused = answers.write_end(i, is_done(&stepped), point + h);
             }
             stepped
         }
     };
     // SAFETY: the instance is valid (FMI 3.0.2, 2.2.1).
     let verdict = unsafe { handle::call(c, &FUNCTION, step) };
-    if pauses_left < MOST_UPDATES {
+    if has_paused {
         // SAFETY: as above.
         return unsafe { continue_step(c, point + h, pauses_left, &answers) };
     }
