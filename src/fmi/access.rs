@@ -22,17 +22,14 @@ pub fn may_get(instance: &Instance, reference: Reference, kind: Kind) -> Result<
     }
 }
 
-/// [`may_get`] of several variables.
-///
-/// # Errors
-/// As [`may_get`], for the first variable that may not be read.
+/// Whether [`may_get`] permits to read each of these variables.
 #[inline]
-pub fn may_get_all(instance: &Instance, references: &[Reference], kind: Kind) -> Result<(), Refusal> {
+pub fn may_get_all(instance: &Instance, references: &[Reference], kind: Kind) -> bool {
     let (list, early) = (instance.component.interface().list(), instance.phase == Phase::Instantiated);
     let may = |reference: &Reference| {
         list.get(*reference as usize).is_some_and(|v| v.kind == kind && !(early && is_computed(v)))
     };
-    references.iter().find(|r| !may(r)).map_or(Ok(()), |reference| Err(no_get(instance, *reference, kind)))
+    references.iter().all(may)
 }
 
 /// Whether a variable has no value before initialization mode.

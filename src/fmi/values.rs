@@ -26,14 +26,29 @@ fn item(component: &Component, reference: Reference, number: i64) -> Result<&'st
 impl Instance {
     /// Reads Reals. An output that has no value in this state is NaN, and a warning states the reason. The other values
     /// are returned. After an error, the array may be partly filled.
+    #[inline]
     pub fn get_real(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        self.get_real_or(references, values, |i, references, _| {
+            references.iter().try_for_each(|&reference| may_get(i, reference, Kind::Real))
+        })
+    }
+
+    /// [`Self::get_real`]. `other` answers if one of the references is not that of a Real that can be read now.
+    pub(super) fn get_real_or(
+        &mut self,
+        references: &[Reference],
+        values: &mut [MaybeUninit<f64>],
+        other: fn(&mut Self, &[Reference], &mut [MaybeUninit<f64>]) -> Result<(), Refusal>,
+    ) -> Result<(), Refusal> {
         // Outputs that were read before can be read from initialization mode on.
         if self.phase != Phase::Instantiated
             && let Some(have_all) = self.component.reread(references, values)
         {
             return if have_all { Ok(()) } else { self.warn(references, "value", Component::undefined) };
         }
-        may_get_all(self, references, Kind::Real)?;
+        if !may_get_all(self, references, Kind::Real) {
+            return other(self, references, values);
+        }
         let (mut undefined, mut values) = (false, values.iter_mut());
         self.component.reals(references, |number| {
             undefined |= number.is_nan();

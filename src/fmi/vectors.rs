@@ -34,13 +34,6 @@ impl Instance {
         name.map(|name| (name, Kind::Real))
     }
 
-    /// Whether these references are scalars of the component, one for each value.
-    #[inline]
-    pub fn are_scalars(&self, references: &[Reference], values: usize) -> bool {
-        let time = self.time_reference();
-        references.len() == values && references.iter().all(|&reference| reference < time)
-    }
-
     /// Does `work` with the scalars of these references, one for each value. The time is one scalar. `values` is the
     /// number of values that the host has passed.
     ///
@@ -78,12 +71,21 @@ impl Instance {
         scalars
     }
 
+    /// Reads Reals, the time and vectors, like [`Instance::get_real`].
+    #[inline]
+    pub fn get_serialised(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
+        let other = |i: &mut Self, references: &[Reference], values: &mut [MaybeUninit<f64>]| {
+            i.serialised(references, values.len(), |i, scalars| i.get_real_or_time(scalars, values))
+        };
+        if references.len() == values.len() {
+            self.get_real_or(references, values, other)
+        } else {
+            other(self, references, values)
+        }
+    }
+
     /// Reads Reals and the time, like [`Instance::get_real`].
-    pub fn get_real_or_time(
-        &mut self,
-        references: &[Reference],
-        values: &mut [MaybeUninit<f64>],
-    ) -> Result<(), Refusal> {
+    fn get_real_or_time(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Result<(), Refusal> {
         let time = self.time_reference();
         if !references.contains(&time) {
             return self.get_real(references, values);
@@ -93,6 +95,17 @@ impl Instance {
             value.write(now);
         });
         self.get_each_real(references, references.iter().zip(values).filter(|(reference, _)| **reference != time))
+    }
+
+    /// Sets Reals, like [`Instance::set_real`]. The time and vectors cannot be set.
+    #[inline]
+    pub fn set_serialised(&mut self, references: &[Reference], values: &[f64]) -> Result<(), Refusal> {
+        if references.len() == values.len() && self.set_real(references, values).is_ok() {
+            return Ok(());
+        }
+        // The call is rejected, and nothing has changed. The reason may be that of a vector.
+        self.without_time(references, "the variable cannot be set")?;
+        self.serialised(references, values.len(), |i, scalars| i.set_real(scalars, values))
     }
 
     /// Rejects the time in calls about variables of the component.

@@ -131,13 +131,8 @@ exported! {
     /// filled.
     // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).
     fn fmi3GetFloat64(vr: *const ValueReference, count: usize, value: *mut f64,
-        values: usize) in ALIVE | INTERMEDIATE => often |i| {
-        let (vr, value) = (input("valueReferences", vr, count)?, output("values", value, values)?);
-        if i.are_scalars(vr, values) {
-            return i.get_real(vr, value);
-        }
-        i.serialised(vr, values, |i, vr| i.get_real_or_time(vr, value))
-    };
+        values: usize) in ALIVE | INTERMEDIATE => often |i|
+        i.get_serialised(input("valueReferences", vr, count)?, output("values", value, values)?);
 
     /// Reads Booleans, each 0 or 1. After an error, the array may be partly filled.
     // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).
@@ -170,14 +165,8 @@ exported! {
     /// Sets Float64 inputs and parameters. After an error, no value has changed.
     // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).
     fn fmi3SetFloat64(vr: *const ValueReference, count: usize, value: *const f64, values: usize)
-    in SETTABLE => often |i| {
-        let (vr, value) = (input("valueReferences", vr, count)?, input("values", value, values)?);
-        if i.are_scalars(vr, values) {
-            return i.set_real(vr, value);
-        }
-        i.without_time(vr, "the variable cannot be set")?;
-        i.serialised(vr, values, |i, vr| i.set_real(vr, value))
-    };
+    in SETTABLE => often |i|
+        i.set_serialised(input("valueReferences", vr, count)?, input("values", value, values)?);
 
     /// Sets Boolean inputs and parameters. After an error, no value has changed.
     // SAFETY: the counts are the numbers of elements of the arrays (2.2.6).

@@ -168,12 +168,6 @@ fn row_at<A: Arithmetic, T: Number>(row: &Row, x: &[T; ROW]) -> [T; ROW] {
     std::array::from_fn(|i| x[i].compose([values[i], first[i], second[i]]))
 }
 
-/// a x + b, element by element.
-#[inline(always)]
-fn multiply_add<A: Arithmetic>(a: &[f64; ROW], x: &[f64; ROW], b: &[f64; ROW]) -> [f64; ROW] {
-    std::array::from_fn(|i| A::multiply_add(a[i], x[i], b[i]))
-}
-
 /// Values at x: four independent Horner schemes in x^4, one for each residue of the power modulo 4.
 #[inline(always)]
 fn polynomials<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
@@ -183,12 +177,12 @@ fn polynomials<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
     let mut sums = [powers[NODES - 4], powers[NODES - 3], powers[NODES - 2], powers[NODES - 1]];
     for four in powers[..NODES - 4].rchunks_exact(4) {
         for (sum, c) in sums.iter_mut().zip(four) {
-            *sum = multiply_add::<A>(sum, x4, c);
+            *sum = A::multiply_add_each(sum, x4, c);
         }
     }
-    let even = multiply_add::<A>(&sums[2], x2, &sums[0]);
-    let odd = multiply_add::<A>(&sums[3], x2, &sums[1]);
-    multiply_add::<A>(&odd, x, &even)
+    let even = A::multiply_add_each(&sums[2], x2, &sums[0]);
+    let odd = A::multiply_add_each(&sums[3], x2, &sums[1]);
+    A::multiply_add_each(&odd, x, &even)
 }
 
 /// Derivatives at x, by Horner's scheme.
@@ -208,7 +202,7 @@ fn curvatures<A: Arithmetic>(row: &Row, x: &[f64; ROW]) -> [f64; ROW] {
 fn derivatives<A: Arithmetic>(row: &Row, x: &[f64; ROW], order: usize, factor: impl Fn(usize) -> f64) -> [f64; ROW] {
     let mut sums = [0.0; ROW];
     for (k, power) in row.0.iter().enumerate().skip(order).rev() {
-        sums = multiply_add::<A>(&sums, x, &power.map(|c| factor(k) * c));
+        sums = A::multiply_add_each(&sums, x, &power.map(|c| factor(k) * c));
     }
     sums
 }
@@ -217,7 +211,7 @@ fn derivatives<A: Arithmetic>(row: &Row, x: &[f64; ROW], order: usize, factor: i
 mod tests {
     use super::*;
     use crate::numerics::dual::{Dual, Nested};
-    use crate::numerics::processor::{Fused, Separate};
+    use crate::numerics::processor::Separate;
     use crate::numerics::table::polynomial_at;
     use proptest::prelude::*;
 
@@ -271,6 +265,15 @@ mod tests {
                 prop_assert!((sum[0] - expected).abs() < 32.0 * 18.0 * f64::EPSILON);
             }
             prop_assert_eq!(sums[2], [0.0; ROW]);
+        }
+    }
+
+    /// One rounding, number by number.
+    struct Fused;
+
+    impl Arithmetic for Fused {
+        fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
+            a.mul_add(b, c)
         }
     }
 

@@ -146,7 +146,7 @@ fn by_residues<A: Arithmetic>(c: &Series, x: f64) -> f64 {
     let (x2, (fours, _)) = (x * x, c.as_chunks::<4>());
     let mut sums = fours[NODES / 4 - 1];
     for four in fours[..NODES / 4 - 1].iter().rev() {
-        sums = std::array::from_fn(|k| A::multiply_add(sums[k], x2 * x2, four[k]));
+        sums = A::multiply_add_each(&sums, &[x2 * x2; 4], four);
     }
     let [even, odd] = std::array::from_fn(|k| A::multiply_add(sums[k + 2], x2, sums[k]));
     A::multiply_add(odd, x, even)

@@ -9,10 +9,16 @@
 pub trait Arithmetic {
     /// a b + c.
     fn multiply_add(a: f64, b: f64, c: f64) -> f64;
+
+    /// [`Self::multiply_add`], element by element.
+    #[inline(always)]
+    fn multiply_add_each(a: &[f64; 4], b: &[f64; 4], c: &[f64; 4]) -> [f64; 4] {
+        std::array::from_fn(|i| Self::multiply_add(a[i], b[i], c[i]))
+    }
 }
 
-/// One rounding, of the sum.
-pub struct Fused;
+/// One rounding, of the sum. Private, because only [`run`] knows that the processor has the features.
+struct Fused;
 
 /// Two roundings, of the product and of the sum.
 pub struct Separate;
@@ -21,6 +27,20 @@ impl Arithmetic for Fused {
     #[inline(always)]
     fn multiply_add(a: f64, b: f64, c: f64) -> f64 {
         a.mul_add(b, c)
+    }
+
+    /// One instruction. The compiler often finds only single or pairwise operations in the elements.
+    #[cfg(target_arch = "x86_64")]
+    #[inline(always)]
+    fn multiply_add_each(a: &[f64; 4], b: &[f64; 4], c: &[f64; 4]) -> [f64; 4] {
+        use std::arch::x86_64::{_mm256_fmadd_pd, _mm256_loadu_pd, _mm256_storeu_pd};
+        let mut sums = [0.0; 4];
+        // SAFETY: `run` has tested the features of the processor. Each pointer is that of four numbers.
+        unsafe {
+            let [a, b, c] = [a, b, c].map(|numbers| _mm256_loadu_pd(numbers.as_ptr()));
+            _mm256_storeu_pd(sums.as_mut_ptr(), _mm256_fmadd_pd(a, b, c));
+        }
+        sums
     }
 }
 

@@ -202,6 +202,13 @@ impl PanelForce {
         polynomial_at(&slopes_of(self.series(table, component)), x) * self.inverse
     }
 
+    /// Derivative along sigma of the force along the curve. None if the force changes with time, or elsewhere.
+    #[inline]
+    pub fn slope_of_force<T: Number>(&self, sigma: T) -> Option<T> {
+        let is_known = self.has_slopes(sigma.value()) && !self.changes();
+        is_known.then(|| polynomial_at(&slopes_of(&self.force), self.x(sigma)) * self.inverse)
+    }
+
     /// Coefficients of the components that are read together, on the panel.
     #[inline]
     pub fn bundle<'a>(&'a self, bundle: &'a Bundle) -> &'a [Row] {

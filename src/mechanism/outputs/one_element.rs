@@ -119,6 +119,7 @@ impl<N: Reading> View<'_, N> {
     /// Least or largest displacement of a drive that stops and locks leave [m] or [rad]: the present one while a rigid
     /// stop or a lock holds the mechanism, else that at the rigid stop that ends the travel in this sense.
     /// -[`NO_LIMIT`] or [`NO_LIMIT`] where none does, and where the drive is at a dead centre or passes one before.
+    #[inline(never)]
     fn limit(&mut self, drive: usize, upper: bool) -> Result<f64, OutputError> {
         let state = self.state;
         let none = if upper { NO_LIMIT } else { -NO_LIMIT };
@@ -182,6 +183,11 @@ impl<N: Reading> View<'_, N> {
     /// Derivative along sigma of [`Self::others_at_rest`].
     fn slope_of_others(&mut self, drive: usize) -> Result<N, OutputError> {
         let (sigma, influence_slope) = (self.sigma(), self.influence_slope(drive));
+        if self.unconditional().is_some()
+            && let Some(slope) = self.cache.scratch.panel_force.slope_of_force(sigma)
+        {
+            return Ok(slope - self.size(drive) * influence_slope);
+        }
         // A drive with a circuit gives what its pressures do, one with a law what that has at rest, as evaluated there.
         let loading = self.reduced.loading();
         let has_circuit = loading.hydraulic_loads().contains(&drive);

@@ -69,6 +69,39 @@ impl<'a, N: Reading> View<'a, N> {
         found.values
     }
 
+    /// Displacement of a load by its table, or the time derivative of this order.
+    ///
+    /// # Errors
+    /// [`OutputError`].
+    #[inline(never)]
+    pub fn tabulated_displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
+        let (reduced, sigma) = (self.reduced, self.sigma());
+        if order == 1 && load >= reduced.loading().drives.len() {
+            let (table, position) = self.displacement_table(load)?;
+            return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
+        }
+        if order > 0 {
+            // The terms of a drive share its slopes.
+            let ([slope, curvature], sigma_dot) = (self.slopes_of(load)?, self.sigma_dot());
+            return Ok(match order {
+                1 => slope * sigma_dot,
+                _ => slope * self.forces()?.acceleration + curvature * sigma_dot * sigma_dot,
+            });
+        }
+        let value = self.displaced(load);
+        if sigma.is_constant() {
+            return Ok(N::constant(value));
+        }
+        let slope = match reduced.displacement(load) {
+            Ok(table) => table.value(self.position(table), 1),
+            Err(_) => {
+                let c = reduced.curve().configuration(self.state.sigma);
+                reduced.loading().loads[load].influence(reduced.linkage(), &c)
+            }
+        };
+        Ok(sigma.chain(value, slope))
+    }
+
     /// S_sigma of a sized load.
     pub fn influence(&mut self, load: usize) -> N {
         let (table, position) = self.influence_table();

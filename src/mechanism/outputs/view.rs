@@ -9,6 +9,7 @@ use crate::mechanism::dynamics::inputs::Inputs;
 use crate::mechanism::dynamics::panel_force::AppliedLoads;
 use crate::mechanism::linkage::Kind;
 use crate::mechanism::loads::laws::friction::Regime;
+use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::motion::SavedState;
 use crate::mechanism::motion::acting::{airspeed, state_loads_under};
 use crate::mechanism::motion::contact::{Holder, Place};
@@ -275,32 +276,16 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
         Ok(value + N::constant(growth))
     }
 
+    #[inline]
     fn displacement(&mut self, load: usize, order: usize) -> Result<N, OutputError> {
-        let (reduced, sigma) = (self.reduced, self.sigma());
-        if order == 1 && load >= reduced.loading().drives.len() {
-            let (table, position) = self.displacement_table(load)?;
-            return Ok(self.before_derivative(table, position, 1) * self.sigma_dot());
-        }
-        if order > 0 {
-            // The terms of a drive share its slopes.
-            let ([slope, curvature], sigma_dot) = (self.slopes_of(load)?, self.sigma_dot());
-            return Ok(match order {
-                1 => slope * sigma_dot,
-                _ => slope * self.forces()?.acceleration + curvature * sigma_dot * sigma_dot,
-            });
-        }
-        let value = self.displaced(load);
-        if sigma.is_constant() {
-            return Ok(N::constant(value));
-        }
-        let slope = match reduced.displacement(load) {
-            Ok(table) => table.value(self.position(table), 1),
-            Err(_) => {
-                let c = reduced.curve().configuration(self.state.sigma);
-                reduced.loading().loads[load].influence(reduced.linkage(), &c)
+        let loading = self.reduced.loading();
+        match loading.loads[load] {
+            // The slip in a pin joint.
+            Load::Couple { first, second, is_idle: false, .. } if order == 1 && load >= loading.drives.len() => {
+                Ok(self.angle(second, 1)? - self.angle(first, 1)?)
             }
-        };
-        Ok(sigma.chain(value, slope))
+            _ => self.tabulated_displacement(load, order),
+        }
     }
 
     #[inline(always)]

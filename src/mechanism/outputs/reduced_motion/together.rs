@@ -27,15 +27,17 @@ impl<'a> Outputs<'a> {
 
     /// [`Self::value`] of as many outputs as there is memory for values, with the functions that they are derivatives
     /// of; whether each of them has one.
-    #[inline]
+    // Not inlined, so that the loop has the registers for itself.
+    #[inline(never)]
     pub fn fill(&mut self, (outputs, functions): (&[Output], &[usize]), values: &mut [MaybeUninit<f64>]) -> bool {
         if self.is_misplaced() {
             values.fill(MaybeUninit::new(f64::NAN));
             return values.is_empty();
         }
         self.view.find_functions(functions);
-        let mut sum = 0.0;
-        for (value, output) in values.iter_mut().zip(outputs) {
+        let (mut sum, mut outputs) = (0.0, outputs.iter());
+        for value in values {
+            let Some(output) = outputs.next() else { break };
             let number = evaluate(&mut self.view, self.loading, output).unwrap_or_else(without_value);
             // 0 for a finite number, else NaN.
             let nothing = 0.0 * number;
