@@ -103,7 +103,7 @@ fn write_number(number: f64, out: &mut String) {
     } else {
         let text = format!("{number:e}");
         let (digits, exponent) = text.split_once('e').unwrap_or((&text, ""));
-        write!(out, "{digits}e{:+03}", exponent.parse().unwrap_or(0))
+        write!(out, "{digits}e{:+}", exponent.parse().unwrap_or(0))
     };
 }
 
