@@ -61,7 +61,11 @@ impl<T: Number> FrictionLoop<T> {
                 if left < CLOSE * (1.0 - next) {
                     return Err(Locked);
                 }
-                (part, more, determinant) = (next, f64::min(2.0 * more, PART * left), self.determinant);
+                more *= 2.0;
+                if left < 1.0 - next {
+                    more = more.min(PART * left);
+                }
+                (part, determinant) = (next, self.determinant);
                 self.keep_sizes();
             } else if more > LEAST {
                 more *= 0.25;
