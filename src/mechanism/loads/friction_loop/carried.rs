@@ -3,7 +3,8 @@
 //! In: arms and reactions with derivatives. Out: the solution with its derivatives. It must not know the law of
 //! friction.
 use super::any::{eliminate, total};
-use super::{Balance, FrictionLoop, Locked};
+use super::one_group::solve_three;
+use super::{Balance, FrictionLoop, Locked, greater, norm};
 use crate::numerics::dual::Number;
 
 /// The loop of the values alone.
@@ -50,6 +51,9 @@ impl<T: Number> FrictionLoop<T> {
         own.solve(&values)?;
         self.size.iter_mut().zip(&own.size).for_each(|(size, value)| *size = T::constant(*value));
         self.iterations = own.iterations;
+        if balance.passed[0].len() == n && !self.has_normal_forces {
+            return self.correct_one_group(balance);
+        }
         self.set_effects(balance);
         let wide = self.wide();
         for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(wide)) {
@@ -57,6 +61,47 @@ impl<T: Number> FrictionLoop<T> {
         }
         for _ in 0..=u32::from(T::CARRIES_SECOND) {
             self.correct_unknowns(balance)?;
+        }
+        Ok(())
+    }
+
+    /// The same for joints of one group without held signs, of which there are three unknowns.
+    fn correct_one_group(&mut self, balance: &Balance<T>) -> Result<(), Locked> {
+        let n = self.arm.len();
+        let slopes = &mut self.direction[..n];
+        let (arm, sizes, [free_x, free_y]) = (&self.arm[..n], &mut self.size[..n], balance.free.map(|row| &row[..n]));
+        let ([along_x, along_y], influence) = (balance.inertial.map(|row| &row[..n]), &balance.influence[..n]);
+        let [passed_x, passed_y] = balance.passed.map(|row| &row[..n]);
+        let effect = |j: usize| [influence[j], passed_x[j], passed_y[j]].map(|row| -(row * arm[j]));
+        let mut z = [T::constant(0.0); 3];
+        for (j, size) in sizes.iter().enumerate() {
+            for (z, effect) in z.iter_mut().zip(effect(j)) {
+                *z = *z + effect * size.value();
+            }
+        }
+        for _ in 0..=u32::from(T::CARRIES_SECOND) {
+            let (mut matrix, mut rest) = ([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], z.map(|z| -z));
+            for j in 0..n {
+                let r = [free_x[j] + along_x[j] * z[0] + z[1], free_y[j] + along_y[j] * z[0] + z[2]];
+                let inverse = 1.0 / greater(f64::MIN_POSITIVE, sizes[j].value());
+                let [x, y] = r.map(|r| r.value() * inverse);
+                sizes[j] = if T::CARRIES_SECOND { norm(r) } else { r[0] * x + r[1] * y };
+                slopes[j] = [x * along_x[j].value() + y * along_y[j].value(), x, y];
+                for ((effect, row), rest) in effect(j).into_iter().zip(&mut matrix).zip(&mut rest) {
+                    *rest = *rest + effect * sizes[j];
+                    row.iter_mut().zip(slopes[j]).for_each(|(element, slope)| *element -= effect.value() * slope);
+                }
+            }
+            let (step, determinant) = solve_three(&matrix, &rest);
+            if determinant.is_nan() || determinant <= 0.0 {
+                return Err(Locked);
+            }
+            for k in 0..3 {
+                z[k] = z[k] + step[k];
+            }
+            for (size, slopes) in sizes.iter_mut().zip(&*slopes) {
+                *size = *size + step[0] * slopes[0] + step[1] * slopes[1] + step[2] * slopes[2];
+            }
         }
         Ok(())
     }

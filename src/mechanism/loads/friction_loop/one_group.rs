@@ -129,7 +129,7 @@ fn total_of<const N: usize>(a: &[f64; N]) -> f64 {
 
 /// Solution of three linear equations by cofactors, and their determinant.
 #[inline]
-fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
+pub(super) fn solve_three<T: Number>(a: &[[f64; 3]; 3], b: &[T; 3]) -> ([T; 3], f64) {
     let minor = |i: usize, j: usize| {
         let ((r, s), (t, u)) = (((i + 1) % 3, (i + 2) % 3), ((j + 1) % 3, (j + 2) % 3));
         a[r][t] * a[s][u] - a[r][u] * a[s][t]
