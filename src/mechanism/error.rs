@@ -326,6 +326,6 @@ impl From<DefinitionError> for ModelError {
 
 impl From<Damaged> for ModelError {
     fn from(damaged: Damaged) -> Self {
-        Self::Saved { what: damaged.0 }
+        Self::Saved { what: damaged.0.into() }
     }
 }

@@ -246,7 +246,7 @@ impl Model {
             Some(_) => parameter_values.set_method(method),
             None if method == Method::default() => {}
             None => {
-                return Err(Damaged(format!(
+                return Err(Damaged::new(format!(
                     "solver.method = \"{}\": this model does not have this method",
                     method.word()
                 ))
@@ -285,7 +285,7 @@ impl Model {
             Record::Read([]) => {
                 Ok(Snapshot { parameter_values, inputs, reduced, motion, exchange, clipped, watched, untuned })
             }
-            _ => Err(Damaged("the saved data is longer than the state of this model".to_owned()).into()),
+            _ => Err(Damaged::new("the saved data is longer than the state of this model").into()),
         }
     }
 
@@ -304,8 +304,8 @@ impl Model {
         let mut computed = values.parameters.clone();
         values.expressions().compute(&mut computed);
         if !same_bits(&computed, &values.parameters) {
-            return Err(Damaged(
-                "a saved calculated parameter differs from the value of the expression of this parameter".to_owned(),
+            return Err(Damaged::new(
+                "a saved calculated parameter differs from the value of the expression of this parameter",
             )
             .into());
         }
@@ -327,8 +327,8 @@ impl Model {
         let both = tuned.parameters.iter().zip(&read).zip(&self.original.ranges);
         let mut changed = both.filter(|((after, before), _)| after.to_bits() != before.to_bits());
         if changed.any(|(_, (_, role))| !(role.is_tunable() || *role == Role::Named)) {
-            return Err(Damaged(
-                "the saved data contains two values of a parameter that cannot change during a run".to_owned(),
+            return Err(Damaged::new(
+                "the saved data contains two values of a parameter that cannot change during a run",
             )
             .into());
         }

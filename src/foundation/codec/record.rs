@@ -10,12 +10,17 @@ const LARGEST: u32 = u32::MAX / 2;
 
 /// Reason why a record cannot be read: it is too short, or a field is outside its range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Damaged(pub String);
+pub struct Damaged(pub Box<str>);
 
 impl Damaged {
+    /// A record with this fault.
+    pub fn new(reason: impl Into<Box<str>>) -> Self {
+        Self(reason.into())
+    }
+
     /// Accepts a field if `allowed` is true.
     fn unless(allowed: bool, reason: impl FnOnce() -> String) -> Result<(), Self> {
-        if allowed { Ok(()) } else { Err(Self(reason())) }
+        if allowed { Ok(()) } else { Err(Self(reason().into())) }
     }
 }
 
@@ -203,7 +208,7 @@ impl Record<'_> {
         if !are_finite(words) {
             let mut all = words.iter().map(|word| f64::from_le_bytes(*word));
             let first = all.find(|value| !value.is_finite()).unwrap_or(f64::NAN);
-            return Err(Damaged(format!("the saved value '{name}' is {first}, but must be a finite number")));
+            return Err(Damaged::new(format!("the saved value '{name}' is {first}, but must be a finite number")));
         }
         fill(values, words);
         *rest = after;
@@ -249,19 +254,19 @@ impl Record<'_> {
 /// The error at the end of a record.
 #[cold]
 fn ended() -> Damaged {
-    Damaged("the saved data is incomplete".to_owned())
+    Damaged::new("the saved data is incomplete")
 }
 
 /// The error for a count above its limit.
 #[cold]
 fn beyond(name: &str, value: u64, limit: u64) -> Damaged {
-    Damaged(format!("the saved value '{name}' is {value}, but must be at most {limit}"))
+    Damaged::new(format!("the saved value '{name}' is {value}, but must be at most {limit}"))
 }
 
 /// The error for an index above its limit.
 #[cold]
 fn not_below(name: &str, value: u64, count: usize) -> Damaged {
-    Damaged(format!("the saved value '{name}' is {value}, but must be below {count}"))
+    Damaged::new(format!("the saved value '{name}' is {value}, but must be below {count}"))
 }
 
 /// Writes numbers for [`Record::numbers`].

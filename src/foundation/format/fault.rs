@@ -55,18 +55,23 @@ impl Place {
 }
 
 /// Error of a definition. The text states the key, the value and the allowed values.
+// One pointer, so that the many results of checks are small.
 #[derive(Clone, Debug, PartialEq)]
-pub struct DefinitionError {
+pub struct DefinitionError(Box<Located>);
+
+/// A fault with its path and its place.
+#[derive(Clone, Debug, PartialEq)]
+struct Located {
     path: String,
-    fault: Box<Fault>,
-    place: Option<Box<Place>>,
+    fault: Fault,
+    place: Option<Place>,
 }
 
 impl DefinitionError {
     /// A fault at a key.
     #[cold]
     pub fn new(path: impl Into<String>, fault: Fault) -> Self {
-        Self { path: path.into(), fault: Box::new(fault), place: None }
+        Self(Box::new(Located { path: path.into(), fault, place: None }))
     }
 
     /// A key that excludes another key, or any other fault as text.
@@ -99,33 +104,33 @@ impl DefinitionError {
 
     /// Adds the place to the fault.
     pub fn at(mut self, place: Place) -> Self {
-        self.place = Some(Box::new(place));
+        self.0.place = Some(place);
         self
     }
 
     /// Path of the faulty key, such as `bodies.crank.length`.
     pub fn path(&self) -> &str {
-        &self.path
+        &self.0.path
     }
 
     /// The fault.
     pub fn fault(&self) -> &Fault {
-        &self.fault
+        &self.0.fault
     }
 
     /// The place, if the fault was found when the text was read.
     pub fn place(&self) -> Option<&Place> {
-        self.place.as_deref()
+        self.0.place.as_ref()
     }
 
     /// Path, fault and remedy on one line, without the place. Of a very deep path, only the start is shown.
     pub fn message(&self) -> String {
         const DEEPEST: usize = 20;
-        let colon = if matches!(*self.fault, Fault::Range(..) | Fault::Value(..)) { "" } else { ":" };
-        let is_deep = self.path.matches(['[', '.']).count() > DEEPEST;
-        let (path, dots) =
-            if is_deep { (self.path.chars().take(40).collect(), "...") } else { (self.path.clone(), "") };
-        on_one_line(&format!("{path}{dots}{colon} {}", self.fault))
+        let Located { path, fault, .. } = &*self.0;
+        let colon = if matches!(fault, Fault::Range(..) | Fault::Value(..)) { "" } else { ":" };
+        let is_deep = path.matches(['[', '.']).count() > DEEPEST;
+        let (path, dots) = if is_deep { (path.chars().take(40).collect(), "...") } else { (path.clone(), "") };
+        on_one_line(&format!("{path}{dots}{colon} {fault}"))
     }
 }
 
@@ -133,7 +138,7 @@ impl Display for DefinitionError {
     /// Writes the message with its place. A key in the file may contain any character.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.message())?;
-        match &self.place {
+        match &self.0.place {
             Some(place) => write!(f, " (line {}, column {})", place.position[0], place.position[1]),
             None => Ok(()),
         }
@@ -292,7 +297,8 @@ impl Faults {
 
     /// Changes the paths of faults that were not found when the text was read.
     pub fn rename(&mut self, path: impl Fn(&str) -> String) {
-        self.0.iter_mut().filter(|fault| fault.place.is_none()).for_each(|fault| fault.path = path(&fault.path));
+        let own = self.0.iter_mut().map(|fault| &mut *fault.0).filter(|fault| fault.place.is_none());
+        own.for_each(|fault| fault.path = path(&fault.path));
     }
 
     /// Number of faults.

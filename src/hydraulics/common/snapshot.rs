@@ -99,7 +99,7 @@ impl<K: Kind> Model<K> {
         record.small("version", &mut version)?;
         if version != K::VERSION {
             let own = K::VERSION;
-            return Err(Damaged(format!("format version {version}, but this model reads version {own}")).into());
+            return Err(Damaged::new(format!("format version {version}, but this model reads version {own}")).into());
         }
         let mut parameters = Parameters::clone(&self.parameters);
         record.numbers("parameters", &mut parameters.values)?;
@@ -118,7 +118,7 @@ impl<K: Kind> Model<K> {
         // Inputs that change within a step may be out of their ranges where `solver.max_steps` has ended it.
         let horizon = inputs.values()[K::horizon(&parameters.laws)];
         if horizon < 0.0 {
-            return Err(Damaged(format!("preview.horizon = {horizon} s: must be at least 0")).into());
+            return Err(Damaged::new(format!("preview.horizon = {horizon} s: must be at least 0")).into());
         }
         record.flag("in motion", &mut moves)?;
         if moves {
@@ -134,7 +134,7 @@ impl<K: Kind> Model<K> {
         let parameters = known.map_or_else(|| Arc::new(parameters.clone()), Arc::clone);
         match record {
             Record::Read([]) => Ok(Snapshot { parameters, inputs, state, warnings }),
-            _ => Err(Damaged("the saved data is longer than the state of this model".to_owned()).into()),
+            _ => Err(Damaged::new("the saved data is longer than the state of this model").into()),
         }
     }
 

@@ -224,7 +224,7 @@ impl Kind for Network {
         if laws.has_pressures(&state.y) {
             return Ok(());
         }
-        Err(Damaged("a saved absolute pressure is not above 0".to_owned()))
+        Err(Damaged::new("a saved absolute pressure is not above 0"))
     }
 
     fn record_warnings(warnings: &mut Warnings, record: &mut Record) -> Result<(), Damaged> {

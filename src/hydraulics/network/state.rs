@@ -377,7 +377,7 @@ impl State {
             last.record_end(record)?;
         }
         if self.last_step == 0.0 && self.last.iter().any(|last| last.is_known) {
-            return Err(Damaged("a motion is predicted before the first step".to_owned()));
+            return Err(Damaged::new("a motion is predicted before the first step"));
         }
         self.locks.iter_mut().try_for_each(|lock| record.flag("lock", lock))
     }

@@ -6,6 +6,7 @@ use super::{AssemblyError, rounding_at};
 use crate::format::on_one_line;
 use crate::mechanism::definition::Named;
 use crate::mechanism::linkage::{Freedom, Linkage, Positions, Side};
+use crate::numerics::order;
 use nalgebra::{DMatrix, DVector, Dyn, SVD};
 
 /// Largest gap of a closed loop, relative to the linkage's size: rounding of Newton's method.
@@ -127,8 +128,7 @@ pub(super) fn independent_rows(j: &DMatrix<f64>, count: usize) -> Vec<usize> {
         }
         rows.push(best);
     }
-    rows.sort_unstable();
-    rows
+    order::distinct(rows)
 }
 
 /// Coordinates from the guess of a definition: a body's name gives an angle, a prismatic joint's name a position.

@@ -18,7 +18,7 @@ impl Curve {
     /// range, or with near misses, which are told in words.
     pub fn write(&self, out: &mut Writer) -> Result<(), Damaged> {
         if self.near != Near::default() || self.by_start {
-            return Err(Damaged("branches almost cross on the curve, or its guess is beyond a stop".to_owned()));
+            return Err(Damaged::new("branches almost cross on the curve, or its guess is beyond a stop"));
         }
         self.clone().fields(&mut Record::Write(out))
     }
@@ -45,7 +45,7 @@ impl Curve {
         let follows = |pair: &[Panel]| pair[0].start < pair[1].start;
         match curve.range.0 < curve.range.1 && !curve.panels.is_empty() && curve.panels.windows(2).all(follows) {
             true => Ok(curve),
-            false => Err(Damaged("the saved sections of the motion are not in order".to_owned())),
+            false => Err(Damaged::new("the saved sections of the motion are not in order")),
         }
     }
 

@@ -12,6 +12,7 @@ use crate::format::{
     number_with_unit, quoted, read_with,
 };
 use crate::numerics::decimal::Decimal;
+use crate::numerics::order::distinct;
 use crate::variables::{Unit, nearest};
 use order::ordered;
 use std::collections::{HashMap, HashSet};
@@ -225,9 +226,7 @@ impl Expressions {
             one.index = of(&one.name);
             one.arguments = one.expression.names().iter().map(of).collect();
             let all = one.arguments.iter().flat_map(|i| bases.get(i).cloned().unwrap_or_else(|| vec![*i]));
-            one.bases = all.collect();
-            one.bases.sort_unstable();
-            one.bases.dedup();
+            one.bases = distinct(all.collect());
             bases.insert(one.index, one.bases.clone());
         }
         Self::new(ordered)

@@ -5,6 +5,7 @@ use super::needs::{Needs, placed};
 use super::source::Source;
 use crate::mechanism::definition::Method;
 use crate::mechanism::quantity::{CONTACT_MODES, ImpactPart, OneElement, Output, Quantity, ReactionPart, SmallMotion};
+use crate::numerics::order;
 use crate::variables::{Causality, Details, Kind, Reference, Unit, Value, Variability, Variable};
 
 /// Suffixes, descriptions (before the owner's name) and units of a coordinate and its two time derivatives.
@@ -191,8 +192,7 @@ impl<'a> Builder<'a> {
         let mut others: Vec<usize> =
             needs.inputs.iter().chain(acting).chain(&followed).copied().filter(|&i| i >= inputs).collect();
         if sought || !followed.is_empty() {
-            others.sort_unstable();
-            others.dedup();
+            others = order::distinct(others);
         }
         let meets = |causes: &[Cause]| {
             needs.meet(causes)

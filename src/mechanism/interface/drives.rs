@@ -7,6 +7,7 @@ use crate::mechanism::definition::{Between, ControlState};
 use crate::mechanism::loads::resolved::{DriveLaw, FrictionJoint, FrictionKind};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{BodyPart, OneElement, Output, Quantity};
+use crate::numerics::order;
 use crate::variables::Unit::{
     self, Kilogram, KilogramPerMetre, KilogramSquareMetre, KilogramSquareMetrePerRadian, Metre, MetrePerSecond,
     MetrePerSecondSquared, Newton, NewtonMetre, NewtonMetrePerRadian, NewtonMetrePerSecond, NewtonPerMetre,
@@ -259,9 +260,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let load = Needs { speed, inertia: rubs, inputs: present, ..required };
     let holding = Needs { inputs: &others, loads: frictionless, lossless: true, circuit, ..placed() };
     let breakaway = Needs { statics: true, lossless: false, ..holding };
-    let mut stops: Vec<usize> = l.stops.iter().map(|stop| stop.load).chain([drive]).collect();
-    stops.sort_unstable();
-    stops.dedup();
+    let stops = order::distinct(l.stops.iter().map(|stop| stop.load).chain([drive]).collect());
     let locks: Vec<usize> = s.locks().collect();
     let mut add = |linear, rotary, text: &str, units: [Unit; 2], term, needs| {
         let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };

@@ -5,6 +5,7 @@ use crate::mechanism::linkage::{Freedom, GROUND, Linkage, Point};
 use crate::mechanism::loads::resolved::{Loading, MOTION, markers};
 use crate::mechanism::loads::unit_load::Load;
 use crate::mechanism::quantity::{Output, Quantity};
+use crate::numerics::order;
 use std::borrow::Cow;
 use std::ops::Range;
 
@@ -77,13 +78,9 @@ impl<'a> Source<'a> {
         let motion = self.loading.motion.as_ref().filter(|_| is_moved)?;
         let given = motion.first_input.map_or(0..0, |first| first..first + MOTION);
         let switch = (!self.mechanism.is_massless()).then_some(self.locks().end);
-        let mut inputs: Vec<usize> = inputs.iter().copied().chain(given).chain(switch).collect();
-        let mut loads: Vec<usize> = loads.iter().copied().chain([motion.load]).collect();
-        for list in [&mut inputs, &mut loads] {
-            list.sort_unstable();
-            list.dedup();
-        }
-        Some((inputs, loads))
+        let inputs = inputs.iter().copied().chain(given).chain(switch).collect();
+        let loads = loads.iter().copied().chain([motion.load]).collect();
+        Some((order::distinct(inputs), order::distinct(loads)))
     }
 
     /// Whether a variable needs masses. Without masses the motion is prescribed, so that accelerations follow from it;
@@ -116,9 +113,7 @@ impl<'a> Source<'a> {
             (state == ControlState::Force).then(|| [drive].into_iter().chain(law.commands()))
         };
         let all = self.loading.control_states().filter(|_| self.mechanism.has_forces_by_inputs());
-        let mut inputs: Vec<usize> = all.filter_map(follows).flatten().collect();
-        inputs.sort_unstable();
-        inputs
+        order::distinct(all.filter_map(follows).flatten().collect())
     }
 
     /// Whether joints have friction when `friction.enabled` is true.

@@ -10,6 +10,7 @@
 use super::coupling::{Coupling, Second};
 use super::motion::{Positions, Rates};
 use super::structure::{Freedom, Joint, Linkage};
+use crate::numerics::order;
 use crate::numerics::plane::Vec2;
 use crate::numerics::twofold::Twofold;
 
@@ -57,11 +58,8 @@ impl Linkage {
             Second::Angle { .. } => angle(joint.second.body),
             Second::Position { coordinate, .. } => Some(coordinate),
         };
-        let mut all: Vec<usize> =
-            [angle(joint.first.body), angle(coupling.carrier), second].into_iter().flatten().collect();
-        all.sort_unstable();
-        all.dedup();
-        all
+        let all = [angle(joint.first.body), angle(coupling.carrier), second];
+        order::distinct(all.into_iter().flatten().collect())
     }
 
     /// Residual of a coupling [m].

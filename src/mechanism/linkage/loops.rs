@@ -68,8 +68,7 @@ impl Linkage {
                 _ => None,
             };
             columns.extend(slide);
-            columns.sort_unstable();
-            columns.dedup();
+            let columns = order::distinct(columns);
             let column = |c: Option<usize>| c.and_then(|c| columns.binary_search(&c).ok());
             let step = |(branch, sign): (usize, f64)| {
                 let b = &self.tree[branch];

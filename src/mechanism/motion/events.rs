@@ -82,7 +82,7 @@ impl Event {
             }
             Self::Level(level) => (7, level, Place::default()),
             Self::Engages(bumper) => (8, bumper, Place::default()),
-            Self::Undefined => return Err(Damaged("event: an undefined one is not kept".to_owned())),
+            Self::Undefined => return Err(Damaged::new("event: an undefined one is not kept")),
         };
         record.choice("event", &mut kind, 9)?;
         match kind {

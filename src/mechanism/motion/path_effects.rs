@@ -9,7 +9,7 @@
 //! In: tables of influences, the ends of a path. Out: nodes in u, and g of each load there. It must not know times.
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::chebyshev::NODES;
-use crate::numerics::legendre;
+use crate::numerics::{legendre, order};
 
 /// A path from a start at rest, with nodes of Gauss's rule on each of its panels.
 #[derive(Clone, Debug)]
@@ -80,7 +80,7 @@ fn borders(reduced: &Reduced, first: f64, length: f64) -> Vec<f64> {
     let all = (1..table.panels()).map(|panel| table.borders(panel).0).chain([reduced.curve().range.0]);
     let all = all.flat_map(|border| [-period, 0.0, period].map(|turn| (border + turn - first) / length));
     let mut borders: Vec<f64> = all.filter(|way| 0.0 < *way && *way < 1.0).collect();
-    borders.sort_unstable_by(f64::total_cmp);
+    order::sort(&mut borders);
     borders.dedup();
     borders
 }

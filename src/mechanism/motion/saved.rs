@@ -171,7 +171,7 @@ impl SavedState {
 
     /// Refuse what this mechanism cannot have.
     fn check(&self, reduced: &Reduced) -> Result<(), ModelError> {
-        let refuse = |what: String| Err(Damaged(what).into());
+        let refuse = |what: String| Err(Damaged::new(what).into());
         let (first, last) = reduced.curve().range;
         let slack = reduced.period().map_or(0.0, |period| ROUNDING * period);
         if reduced.is_open() {

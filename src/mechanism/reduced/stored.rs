@@ -89,7 +89,7 @@ fn table(record: &mut Record, components: usize) -> Result<Tabulated, Damaged> {
     gaps.iter_mut().try_for_each(|gap| record.place("gap", gap, borders.len()))?;
     let table = Table::of_parts(borders.into_flattened(), components, coefficients, gaps);
     table.map(Ok).ok_or_else(|| {
-        Damaged(format!(
+        Damaged::new(format!(
             "a saved table does not have {components} components, as this \
         mechanism needs"
         ))

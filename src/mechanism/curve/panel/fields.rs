@@ -27,8 +27,8 @@ impl Panel {
         self.derivatives = pairs.to_vec();
         let is_whole = odd.is_empty() && (pairs.is_empty() || pairs.len() == coordinates);
         if !is_whole || [self.coordinates.len(), self.curvatures.len()] != [coordinates; 2] {
-            return Err(Damaged(
-                "a saved section of the motion has another number of coordinates than this mechanism".to_owned(),
+            return Err(Damaged::new(
+                "a saved section of the motion has another number of coordinates than this mechanism",
             ));
         }
         record.flag("bridged", &mut self.bridged)?;

@@ -10,6 +10,7 @@ impl<T: Number> FrictionLoop<T> {
     ///
     /// If Newton's method does not converge in a few iterations from the frictionless reactions, as where friction
     /// takes away most of a reaction, the solution is continued from the frictionless one while the arms grow from 0.
+    #[inline(never)]
     pub(super) fn solve_any(&mut self, t: f64, balance: &Balance<T>) -> Result<(), Locked> {
         /// First growth of the arms, relative to their full size.
         const FIRST: f64 = 0.25;
@@ -18,10 +19,10 @@ impl<T: Number> FrictionLoop<T> {
         const LEAST: f64 = 1e-11;
         /// Largest number of iterations for one growth.
         const MOST: u32 = 12;
-        /// Growth that has become so small, where the determinant vanishes within so small a part of what is left,
-        /// shows that the solution ends there.
-        const SMALL: f64 = 1e-4;
-        const CLOSE: f64 = 1e-2;
+        /// Growth relative to the distance at which the chord of the determinant vanishes.
+        const PART: f64 = 0.3;
+        /// Such a distance, relative to what is left of the arms, that shows that the solution ends there.
+        const CLOSE: f64 = 3e-4;
         let n = self.arm.len();
         self.set_effects(balance);
         for j in 0..n {
@@ -50,17 +51,23 @@ impl<T: Number> FrictionLoop<T> {
         if self.newton(balance, 1.0, FEW) && self.is_near() {
             return Ok(());
         }
-        let (mut part, mut more, mut determinant, mut ends) = (0.0, FIRST, 1.0, false);
+        let (mut part, mut more, mut determinant) = (0.0, FIRST, 1.0);
         while part < 1.0 {
             self.take_sizes();
             let next = f64::min(part + more, 1.0);
             if self.newton(balance, next, MOST) && self.is_near() {
                 // The determinant falls ever faster towards the end, so that its chord vanishes beyond.
-                let fallen = determinant - self.determinant;
-                ends = fallen > 0.0 && self.determinant * (next - part) < CLOSE * (1.0 - next) * fallen;
-                (part, more, determinant) = (next, 2.0 * more, self.determinant);
+                let left = self.determinant * (next - part) / (determinant - self.determinant).max(0.0);
+                if left < CLOSE * (1.0 - next) {
+                    return Err(Locked);
+                }
+                more *= 2.0;
+                if left < 1.0 - next {
+                    more = more.min(PART * left);
+                }
+                (part, determinant) = (next, self.determinant);
                 self.keep_sizes();
-            } else if more > if ends { SMALL } else { LEAST } {
+            } else if more > LEAST {
                 more *= 0.25;
             } else {
                 return Err(Locked);

@@ -4,36 +4,28 @@
 //! simplified Newton's method with few inverses within a step. It must not know the law of friction.
 use super::{BLOCK, Balance, FrictionLoop, greater};
 use crate::numerics::dual::Number;
-use crate::numerics::processor::{self, Arithmetic, Task};
 
 /// The inverse of 1 - D B with D = d|R| / dz, for simplified Newton's method within a step.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Kept {
     /// Its rows, one after the other, each with zeros up to a whole block.
-    inverse: Vec<f64>,
+    inverse: Vec<Block>,
     pub is_known: bool,
     /// Magnitudes s, and |R(B s)| - s, with zeros up to a whole block.
-    size: Vec<f64>,
-    rest: Vec<f64>,
+    size: Vec<Block>,
+    rest: Vec<Block>,
 }
+
+/// Numbers that a processor multiplies at once. Loops over blocks have no remainder, of which every loop over numbers
+/// has a copy.
+type Block = [f64; BLOCK];
 
 impl Kept {
     /// For so many joints.
     pub fn new(joints: usize) -> Self {
-        let zeros = vec![0.0; joints.next_multiple_of(BLOCK)];
-        Self { inverse: vec![0.0; joints * zeros.len()], size: zeros.clone(), rest: zeros, ..Self::default() }
-    }
-}
-
-/// [`FrictionLoop::contract`]. Its sums and products are rounded one by one, so that all processors agree.
-struct Contraction<'a, T>(&'a mut FrictionLoop<T>, &'a Balance<'a, T>);
-
-impl<T: Number> Task for Contraction<'_, T> {
-    type Result = bool;
-
-    #[inline(always)]
-    fn run<A: Arithmetic>(self) -> bool {
-        self.0.correct_until_exact(self.1)
+        let zeros = vec![[0.0; BLOCK]; joints.div_ceil(BLOCK)];
+        let rows = |count: usize| vec![[0.0; BLOCK]; count * zeros.len()];
+        Self { inverse: rows(joints), is_known: false, size: zeros.clone(), rest: zeros }
     }
 }
 
@@ -41,11 +33,6 @@ impl<T: Number> FrictionLoop<T> {
     /// Simplified Newton's method for s = |R(z)|, z = B s, from the present magnitudes s, of a loop that contracts. The
     /// solution is unique, so that every start and every inverse lead to it. False if it does not converge.
     pub(super) fn contract(&mut self, balance: &Balance<T>) -> bool {
-        processor::run(Contraction(self, balance))
-    }
-
-    #[inline(always)]
-    fn correct_until_exact(&mut self, balance: &Balance<T>) -> bool {
         /// Sum of the errors that are left, relative to the largest reaction.
         const EXACT: f64 = 2e-16;
         /// Sum of corrections that are rounding.
@@ -56,7 +43,8 @@ impl<T: Number> FrictionLoop<T> {
         self.iterations = 0;
         let mut renews = !self.kept.is_known;
         self.kept.is_known = self.of_sizes.is_in_step();
-        self.kept.size.iter_mut().zip(&self.size).for_each(|(own, size)| *own = size.value());
+        let sizes = self.kept.size.as_flattened_mut().iter_mut().zip(&self.size);
+        sizes.for_each(|(own, size)| *own = size.value());
         let mut before = f64::INFINITY;
         for iteration in 1..=MOST {
             let scale = self.find_rest(balance);
@@ -66,7 +54,7 @@ impl<T: Number> FrictionLoop<T> {
             }
             let Kept { inverse, size, rest, .. } = &mut self.kept;
             let mut change = 0.0;
-            for (size, row) in size.iter_mut().zip(inverse.chunks_exact(rest.len())) {
+            for (size, row) in size.as_flattened_mut().iter_mut().zip(inverse.chunks_exact(rest.len())) {
                 let correction = inner(row, rest);
                 *size += correction;
                 change += correction.abs();
@@ -78,7 +66,8 @@ impl<T: Number> FrictionLoop<T> {
             // Of the first correction no ratio is known.
             let ratio = if iteration > 1 { change / before } else { 1.0 };
             if change <= ROUNDING || change * ratio <= EXACT {
-                self.size.iter_mut().zip(&*size).for_each(|(size, own)| *size = T::constant(*own));
+                let own = size.as_flattened();
+                self.size.iter_mut().zip(own).for_each(|(size, own)| *size = T::constant(*own));
                 return true;
             }
             renews = iteration > 1 && change * ratio.powi(WORTH) > EXACT;
@@ -93,9 +82,10 @@ impl<T: Number> FrictionLoop<T> {
     fn find_rest(&mut self, balance: &Balance<T>) -> f64 {
         let Kept { size, rest, .. } = &mut self.kept;
         let n = self.size.len();
-        for (unknown, row) in self.unknown.iter_mut().zip(self.effect.chunks_exact(size.len())) {
+        for (unknown, row) in self.unknown.iter_mut().zip(blocks(&self.effect).chunks_exact(size.len())) {
             *unknown = T::constant(inner(row, size));
         }
+        let (size, rest) = (size.as_flattened(), rest.as_flattened_mut());
         let ([free_x, free_y], [along_x, along_y]) =
             (balance.free.map(|row| &row[..n]), balance.inertial.map(|row| &row[..n]));
         let (groups, seconds, signs) = (&balance.groups[..n], &balance.seconds[..n], &self.sign[..n]);
@@ -127,37 +117,47 @@ impl<T: Number> FrictionLoop<T> {
     #[inline(always)]
     fn renew(&mut self, balance: &Balance<T>) {
         let Kept { inverse, size, .. } = &mut self.kept;
-        let (n, wide) = (self.size.len(), size.len());
+        let wide = size.len();
+        let effect = blocks(&self.effect);
         for ((i, row), [u, x, y]) in inverse.chunks_exact_mut(wide).enumerate().zip(&self.direction) {
             let of = 1 + 2 * balance.groups[i];
-            let [along, first, second] = [0, of, of + 1].map(|k| &self.effect[k * wide..][..wide]);
-            for (((element, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
-                *element = -(u * along.value() + x * first.value() + y * second.value());
+            let [along, first, second] = [0, of, of + 1].map(|k| &effect[k * wide..][..wide]);
+            for (((block, along), first), second) in row.iter_mut().zip(along).zip(first).zip(second) {
+                for k in 0..BLOCK {
+                    block[k] = -(u * along[k].value() + x * first[k].value() + y * second[k].value());
+                }
             }
-            row[i] += 1.0;
+            row.as_flattened_mut()[i] += 1.0;
         }
-        for k in 0..n {
+        for k in 0..self.size.len() {
             let (above, rest) = inverse.split_at_mut(k * wide);
             let (row, below) = rest.split_at_mut(wide);
-            let pivot = 1.0 / std::mem::replace(&mut row[k], 1.0);
-            row.iter_mut().for_each(|element| *element *= pivot);
+            let pivot = 1.0 / std::mem::replace(&mut row.as_flattened_mut()[k], 1.0);
+            row.iter_mut().for_each(|block| *block = block.map(|element| element * pivot));
             for other in above.chunks_exact_mut(wide).chain(below.chunks_exact_mut(wide)) {
-                let factor = std::mem::take(&mut other[k]);
-                let blocks = other.as_chunks_mut::<BLOCK>().0.iter_mut().zip(row.as_chunks::<BLOCK>().0);
-                blocks.for_each(|(other, row)| (0..BLOCK).for_each(|k| other[k] -= factor * row[k]));
+                let factor = std::mem::take(&mut other.as_flattened_mut()[k]);
+                for (other, row) in other.iter_mut().zip(&*row) {
+                    (0..BLOCK).for_each(|k| other[k] -= factor * row[k]);
+                }
             }
         }
     }
 }
 
-/// Inner product of rows of whole blocks, as four independent sums.
+/// Numbers of whole blocks as blocks.
 #[inline(always)]
-fn inner<T: Number>(a: &[T], b: &[f64]) -> f64 {
+fn blocks<T>(numbers: &[T]) -> &[[T; BLOCK]] {
+    numbers.as_chunks().0
+}
+
+/// Inner product of rows of blocks, as four independent sums, of which the processor holds neighbours together.
+#[inline(always)]
+fn inner<T: Number>(a: &[[T; BLOCK]], b: &[Block]) -> f64 {
     let mut sums = [0.0; BLOCK];
-    for (a, b) in a.as_chunks::<BLOCK>().0.iter().zip(b.as_chunks::<BLOCK>().0) {
+    for (a, b) in a.iter().zip(b) {
         for k in 0..BLOCK {
             sums[k] += a[k].value() * b[k];
         }
     }
-    (sums[0] + sums[1]) + (sums[2] + sums[3])
+    (sums[0] + sums[2]) + (sums[1] + sums[3])
 }
