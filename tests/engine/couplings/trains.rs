@@ -1,5 +1,5 @@
 //! Couplings in a linkage: a rack, a planetary gear, trains, a geared five-bar.
-use super::{GEARS, assert_near, five_bar, shafts};
+use super::{FIVE_BAR, GEARS, assert_near, shafts};
 use crate::support::{Run, Vec2, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
@@ -190,8 +190,7 @@ fn an_open_train_ends_where_angles_have_too_few_digits() {
 
 #[test]
 fn a_geared_five_bar_balances_each_body() {
-    let definition = five_bar();
-    let mut run = Run::new(&definition).started();
+    let mut run = Run::new(FIVE_BAR).started();
     run.set("motor.torque", 4.0);
     run.set("push.force_x", 30.0);
     for step in 0..60 {
