@@ -34,8 +34,7 @@ fn pins_slip_at_their_radius_times_the_relative_angular_speed() {
             ["crank", "coupler", "follower"].map(|body| gear.get(&format!("{body}.speed")));
         let expected = [0.0175 * crank, 0.015 * (coupler - crank), 0.015 * (follower - coupler), 0.015 * follower];
         for (joint, expected) in (1..).zip(expected) {
-            let slip = gear.get(&format!("joint{joint}.slip_speed"));
-            assert!((slip - expected).abs() < 1e-13 * expected.abs().max(0.1), "joint{joint}: {slip}, {expected}");
+            gear.near(&format!("joint{joint}.slip_speed"), expected, 1e-13 * expected.abs().max(0.1));
         }
     }
 }

@@ -22,9 +22,7 @@ fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
         let ratio = TAU / 0.005;
         let (mass, weight) = (30.0 + 2e-4 * ratio * ratio, 30.0 * 9.81 * 0.4_f64.sin());
         let acceleration = (efficiency * ratio * 0.4 - weight) / mass;
-        for _ in 0..10 {
-            run.step(0.05);
-        }
+        run.steps(10, 0.5);
         assert!(acceleration > 0.0);
         assert_near(run.get("slide.acceleration"), acceleration, 1e-13 * ratio * 0.4 / mass, "acceleration");
         let travel = 0.125 * acceleration;
