@@ -18,7 +18,8 @@ fn started(text: &str) -> Simulation {
 fn a_rod_falls_in_a_quarter_of_its_period() {
     const K: f64 = 1.854_074_677_301_371_9;
     let rod = arm(0.6, 2.0, 0.0).with(json!({
-        "gravity": weight(), "stops": { "low": { "body": "arm", "limit": "lower", "angle": -FRAC_PI_2, "flag": "down" } },
+        "gravity": weight(),
+        "stops": { "low": { "body": "arm", "limit": "lower", "angle": -FRAC_PI_2, "flag": "down" } },
     }));
     let of = started(&rod.to_string()).travel_time("down", &["load_factor"], &[1.0]).unwrap().unwrap();
     // With gravity upwards or without gravity the rod does not fall.

@@ -370,8 +370,8 @@ impl Run {
         (0..count).for_each(|_| self.step(span / f64::from(count)));
     }
 
-    /// Equal steps over a time span, in which an input is `value + rate t + second t^2 / 2`. `check` gets the time after
-    /// each step.
+    /// Equal steps over a time span, in which an input is `value + rate t + second t^2 / 2`. `check` gets the time
+    /// after each step.
     #[track_caller]
     pub fn follow(
         &mut self,
