@@ -5,7 +5,8 @@
 //! reactions are tables over sigma. A step integrates sigma_ddot = sum of load sizes times influences.
 //!
 //! From low to high, where each layer uses only the layers before it: [`numerics`], [`codec`], [`variables`],
-//! [`mod@format`], [`inspection`], [`integrator`]; [`mechanism`], the first kind of model; [`component`], any kind of
+//! [`mod@format`], [`inspection`], [`integrator`], of the crate `linkage-fmu-foundation`; [`hydraulics`], models of the
+//! crate `linkage-fmu-hydraulics`; [`mechanism`], the first kind of model; [`component`], any kind of
 //! model; [`simulation`], its variables by name for Rust; [`fmi`], what all versions of the standard share; [`fmi2`],
 //! FMI 2.0; [`fmi3`], FMI 3.0.
 //!
@@ -18,16 +19,12 @@
 //! # Invariants
 //! No allocation, lock or text in a step, a get or a set. A call that returns an error changes nothing. Inputs and
 //! outputs are finite. An element that does not act costs nothing. `ARCHITECTURE.md` names the test that guards each.
-pub mod codec;
+pub use ::hydraulics;
+pub use foundation::{codec, format, inspection, integrator, numerics, variables};
+
 pub mod component;
 pub mod fmi;
 pub mod fmi2;
 pub mod fmi3;
-pub mod format;
-pub mod hydraulics;
-pub mod inspection;
-pub mod integrator;
 pub mod mechanism;
-pub mod numerics;
 pub mod simulation;
-pub mod variables;

@@ -12,6 +12,7 @@ Prints the errors of the joint angles for each communication step, against one s
 from __future__ import annotations
 
 import argparse
+import math
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -59,8 +60,8 @@ ACTIVE = np.ones(2)
 """1: the cylinder moves its joint; 0: the crane is without this cylinder, which keeps its length."""
 
 # A cylinder between two points at the distances a and b from its joint: length^2 = a^2 + b^2 - 2 a b cos(angle + c).
-SIDES = np.array([[0.8, 1.0], [0.9, 0.6]])
-TURNED = np.array([0.7, np.pi - 0.55])
+SIDES = ((0.8, 1.0), (0.9, 0.6))
+TURNED = (0.7, math.pi - 0.55)
 UNUSED = 1.15
 """Length of a cylinder that moves nothing [m]."""
 
@@ -70,40 +71,52 @@ def remove_jib_cylinder() -> None:
     ACTIVE[1], COMMANDS["jib_valve.command"] = 0, 0.0
 
 
+# Numbers and `math` instead of arrays of two values: the crane is computed a million times for the table.
+
+
+def length(cylinder: int, angle: float) -> tuple[float, float, float]:
+    """Length s of a cylinder [m], its derivative J = ds/dq with respect to the angle of its own joint, and dJ/dq."""
+    if not ACTIVE[cylinder]:
+        return UNUSED, 0.0, 0.0
+    (a, b), turned = SIDES[cylinder], angle + TURNED[cylinder]
+    c, s = a * b * math.cos(turned), math.sqrt(a**2 + b**2 - 2 * a * b * math.cos(turned))
+    j = a * b * math.sin(turned) / s
+    return s, j, (c - j**2) / s
+
+
 def lengths(q: Vector) -> tuple[Vector, Vector, Vector]:
-    """Lengths of the cylinders [m], their derivatives J = ds/dq (each depends on its own joint) and dJ/dq."""
-    a, b = SIDES.T
-    s = np.sqrt(a**2 + b**2 - 2 * a * b * np.cos(q + TURNED))
-    j = a * b * np.sin(q + TURNED) / s
-    j_q = (a * b * np.cos(q + TURNED) - j**2) / s
-    return np.where(ACTIVE, s, UNUSED), ACTIVE * j, ACTIVE * j_q
+    """Lengths of the cylinders [m], their derivatives J and dJ/dq."""
+    s, j, j_q = zip(length(0, q[0]), length(1, q[1]), strict=True)
+    return np.array(s), np.array(j), np.array(j_q)
 
 
-def dynamics(q: Vector, w: Vector) -> tuple[Vector, Vector]:
-    """Mass matrix M and generalised force Q of weight and inertia: M q'' = Q + J^T F."""
+def dynamics(q: Vector, w: Vector) -> tuple[tuple[float, float, float], tuple[float, float]]:
+    """Mass matrix M (elements 11, 12, 22) and generalised force Q of weight and inertia: M q'' = Q + J^T F."""
+    (boom_angle, jib_angle), (v, w) = q.tolist(), w.tolist()
     one = (BOOM_MASS / 3 + JIB_MASS + LOAD) * BOOM**2
     two = (JIB_MASS / 3 + LOAD) * JIB**2
     cross = (JIB_MASS / 2 + LOAD) * BOOM * JIB
-    c, s = np.cos(q[1]), np.sin(q[1])
-    mass = np.array([[one + two + 2 * cross * c, two + cross * c], [two + cross * c, two]])
-    centrifugal = cross * s * np.array([w[1] * (2 * w[0] + w[1]), -(w[0] ** 2)])
-    boom = (BOOM_MASS / 2 + JIB_MASS + LOAD) * BOOM * np.cos(q[0])
-    jib = (JIB_MASS / 2 + LOAD) * JIB * np.cos(q[0] + q[1])
-    return mass, centrifugal - G * np.array([boom + jib, jib])
+    c, s = cross * math.cos(jib_angle), cross * math.sin(jib_angle)
+    boom = (BOOM_MASS / 2 + JIB_MASS + LOAD) * BOOM * math.cos(boom_angle)
+    jib = (JIB_MASS / 2 + LOAD) * JIB * math.cos(boom_angle + jib_angle)
+    return (one + two + 2 * c, two + c, two), (s * w * (2 * v + w) - G * (boom + jib), -s * v**2 - G * jib)
 
 
 def acceleration(q: Vector, w: Vector, forces: Vector) -> Vector:
     """Angular accelerations q'' under the forces of the cylinders."""
-    mass, q_force = dynamics(q, w)
-    return np.linalg.solve(mass, q_force + lengths(q)[1] * forces)
+    (m11, m12, m22), (q1, q2) = dynamics(q, w)
+    q1 += length(0, q[0])[1] * forces[0]
+    q2 += length(1, q[1])[1] * forces[1]
+    determinant = m11 * m22 - m12**2
+    return np.array([(m22 * q1 - m12 * q2) / determinant, (m11 * q2 - m12 * q1) / determinant])
 
 
 def elements(q: Vector, w: Vector, forces: Vector) -> tuple[Vector, Vector]:
     """Apparent mass [kg] and load [N] of each cylinder: with A = J M^-1 J^T and s'' = A F + b, each cylinder sees
     m s'' = F - W with m = 1/A_ii and W = -m (b_i + sum over the other cylinders of A_ij F_j)."""
-    mass, q_force = dynamics(q, w)
+    (m11, m12, m22), q_force = dynamics(q, w)
     _, j, j_q = lengths(q)
-    inverse = np.linalg.inv(mass)
+    inverse = np.array([[m22, -m12], [-m12, m11]]) / (m11 * m22 - m12**2)
     a = j[:, None] * inverse * j[None, :]
     b = j * (inverse @ q_force) + j_q * w**2
     m = np.divide(1, np.diag(a), out=np.zeros(2), where=np.diag(a) > 0)

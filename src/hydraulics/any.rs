@@ -5,11 +5,11 @@
 use super::error::HydraulicsError;
 use super::model::{Model, Snapshot};
 use super::{definition, network};
-use crate::codec::writer::Writer;
-use crate::format::{About, Experiment};
-use crate::inspection::Finding;
-use crate::integrator::Statistics;
-use crate::variables::{Interface, Reference, Terminal};
+use foundation::codec::writer::Writer;
+use foundation::format::{About, Experiment};
+use foundation::inspection::Finding;
+use foundation::integrator::Statistics;
+use foundation::variables::{Interface, Reference, Terminal};
 use std::any::Any;
 use std::fmt::Debug;
 

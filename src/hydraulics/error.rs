@@ -1,7 +1,7 @@
 //! Why a hydraulic model refuses a call, or cannot make a step.
-use crate::codec::record::Damaged;
-use crate::format::DefinitionError;
-use crate::numerics::decimal::Decimal;
+use foundation::codec::record::Damaged;
+use foundation::format::DefinitionError;
+use foundation::numerics::decimal::Decimal;
 use std::fmt;
 
 /// A refused call, or a step that could not be made. The text names the quantity, the value, the limit and the remedy.

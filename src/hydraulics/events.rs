@@ -2,7 +2,7 @@
 //!
 //! In: guards, numbers that change their sign at events; a step. Out: the part of the step up to its first event. It
 //! must not know what a guard stands for.
-use crate::integrator::{Dense, Step};
+use foundation::integrator::{Dense, Step};
 
 /// Part of the size of a guard within which it is at its event.
 const NEAR: f64 = 1e-6;

@@ -3,8 +3,8 @@
 //! In: values and derivatives from the host. Out: each input as a polynomial in time, counted from the communication
 //! point; the instants within a step at which the law of the command has a kink. It must not know what they act on.
 use super::definition::Command;
-use crate::hydraulics::common::{HostInputs, SPEED_ORDER};
-use crate::numerics::decimal::Decimal;
+use crate::common::{HostInputs, SPEED_ORDER};
+use foundation::numerics::decimal::Decimal;
 use std::f64::consts::TAU;
 
 /// An input, by its index.
@@ -77,6 +77,7 @@ pub const INPUTS: usize = 13;
 /// Values and time derivatives of the inputs; see [`HostInputs`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Inputs {
+    /// Values.
     pub values: [f64; INPUTS],
     /// Derivatives of the orders 1 to 4.
     pub rates: [[f64; SPEED_ORDER]; INPUTS],
@@ -354,8 +355,11 @@ pub fn clipping(command: f64) -> String {
 /// Pressures of the ports and the command during a step.
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings {
+    /// Pressure of the supply port [Pa].
     pub supply: Polynomial,
+    /// Pressure of the tank port [Pa].
     pub tank: Polynomial,
+    /// Command of the valve, from -1 to 1.
     pub command: CommandSignal,
 }
 

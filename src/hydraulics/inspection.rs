@@ -5,10 +5,10 @@
 use super::definition::HydraulicActuator;
 use super::model::Model;
 use super::plausibility::circuit_warnings;
-use crate::format::Described;
-use crate::inspection::{Fact, Finding, Inspection};
-use crate::numerics::decimal::Decimal;
-use crate::variables::Unit;
+use foundation::format::Described;
+use foundation::inspection::{Fact, Finding, Inspection};
+use foundation::numerics::decimal::Decimal;
+use foundation::variables::Unit;
 use std::cell::RefCell;
 use std::f64::consts::PI;
 

@@ -8,7 +8,7 @@ use super::definition::{HydraulicActuator, Mode, Role};
 use super::inputs::Input::{self, Acceleration, Command, Horizon, Load, LoadDerivative, Mass, MassDerivative};
 use super::inputs::Input::{Length, LowerLimit, Speed, Supply, Tank, UpperLimit};
 use super::outputs::Output;
-use crate::variables::{
+use foundation::variables::{
     Causality, Details, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables,
 };
 

@@ -15,10 +15,10 @@ use super::inputs::{Input, Inputs};
 use super::interface::{self, Quantity};
 use super::outputs::{Output, Present, stable_step};
 use super::state::{Blind, Foreseen, Preview, SAME_STEP, State, dynamic};
-use crate::codec::record::{Damaged, Record};
-use crate::format::{About, DefinitionError, Experiment, Range, Visit};
-use crate::integrator::Statistics;
-use crate::variables::{Reference, Terminal, Variable};
+use foundation::codec::record::{Damaged, Record};
+use foundation::format::{About, DefinitionError, Experiment, Range, Visit};
+use foundation::integrator::Statistics;
+use foundation::variables::{Reference, Terminal, Variable};
 use warnings::Warnings;
 
 /// The kind of a hydraulic actuator alone.

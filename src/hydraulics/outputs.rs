@@ -4,7 +4,7 @@
 //! It must not know how a step is made.
 use super::circuit::{ENERGIES, Equations, Flows, Point, Powers};
 use super::state::Preview;
-use crate::numerics::dual::{Dual, Number};
+use foundation::numerics::dual::{Dual, Number};
 
 /// A computed quantity; a side is 0 for chamber A and 1 for chamber B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -221,7 +221,7 @@ pub fn eigenvalues(matrix: &[[f64; 4]; 4]) -> [[f64; 2]; 4] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hydraulics::definition::Circuit;
+    use crate::definition::Circuit;
 
     #[test]
     fn eigenvalues_of_a_known_matrix() {

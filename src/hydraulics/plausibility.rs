@@ -2,8 +2,8 @@
 //!
 //! In: values by name. Out: warnings. It must not know laws.
 use super::definition::Circuit;
-use crate::inspection::Finding;
-use crate::numerics::decimal::Decimal;
+use foundation::inspection::Finding;
+use foundation::numerics::decimal::Decimal;
 use std::f64::consts::FRAC_PI_4;
 
 /// Numbers beyond which another unit is probable: name, least and largest plausible value, unit, what to check.
@@ -130,7 +130,7 @@ pub fn circuit_warnings(path: &str, value: impl Fn(&str) -> Option<f64>) -> Vec<
 
 #[cfg(test)]
 mod tests {
-    use crate::hydraulics::Model;
+    use crate::Model;
 
     fn warned(json: &str) -> Vec<String> {
         Model::from_json(json).unwrap().warnings().into_iter().map(|finding| finding.path).collect()

@@ -5,8 +5,8 @@
 use super::circuit::{CIRCUIT, DYNAMIC, ENERGIES, Equations, FREE, Point, Rates};
 use super::events::Guard;
 use super::inputs::{Polynomial, Surroundings};
-use crate::integrator::System;
-use crate::numerics::dual::{Dual, Number};
+use foundation::integrator::System;
+use foundation::numerics::dual::{Dual, Number};
 
 /// Components of the state of a circuit with one element: the leading ones of the circuit, length and speed, then the
 /// integrals beside them: the energies, impulse and first moment of the force.

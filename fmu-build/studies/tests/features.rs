@@ -1,4 +1,4 @@
-//! The common crates of both programs are built once: both programs need the same features.
+//! The common crates of both programs and of the Python module are built once: all three need the same features.
 #![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
@@ -28,10 +28,12 @@ fn features(package: &str) -> BTreeMap<String, String> {
 }
 
 #[test]
-fn no_crate_is_built_twice_for_the_two_programs() {
+fn no_crate_is_built_twice_for_the_programs_and_the_python_module() {
     let (packer, studies) = (features("fmu-build"), features("fmu-studies"));
-    assert!(packer.len() > 20);
-    for (name, features) in packer {
-        assert_eq!(studies[&name], features, "{name}: name these features in fmu-build/Cargo.toml or leave them out");
+    assert!(packer.len() > 20 && studies.len() > packer.len());
+    let module = features("linkage-fmu-wheel");
+    let crates = packer.iter().map(|crate_| (crate_, &studies)).chain(studies.iter().map(|crate_| (crate_, &module)));
+    for ((name, features), other) in crates {
+        assert_eq!(&other[name], features, "{name}: name these features in fmu-build/Cargo.toml or leave them out");
     }
 }

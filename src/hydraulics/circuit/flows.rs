@@ -4,12 +4,12 @@
 //! must not know the supply behind its port.
 use super::smooth::{gate, head, soft};
 use super::{Equations, Flows, Point, Powers};
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 impl Equations {
     /// Resistance in series with the edges of chamber `side` for flow out of it [Pa s2/m6].
     #[inline]
-    pub(crate) fn resistance<T: Number>(&self, side: usize, length: T) -> T {
+    pub fn resistance<T: Number>(&self, side: usize, length: T) -> T {
         let restrictor = T::constant(self.restrictors[side]);
         let inverse = self.per_cushion_length[side];
         if inverse == 0.0 {

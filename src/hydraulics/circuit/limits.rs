@@ -3,8 +3,8 @@
 //! In: pressures, length of the actuator. Out: whether the laws hold there. It must not know
 //! steps.
 use super::{DYNAMIC, Equations};
-use crate::hydraulics::events::Guard;
-use crate::numerics::dual::Number;
+use crate::events::Guard;
+use foundation::numerics::dual::Number;
 
 /// Length beyond the ends of the cylinder's travel that rounding explains [m].
 pub const SLACK: f64 = 1e-9;
@@ -124,7 +124,7 @@ impl Equations {
     /// The pressures at which an integration came no further, in words: those of a chamber that cavitates with the
     /// remedies, else both.
     pub fn describe_pressures(&self, pressures: [f64; 2]) -> String {
-        use crate::numerics::decimal::Decimal;
+        use foundation::numerics::decimal::Decimal;
         let [a, b] = pressures.map(Decimal::rounded);
         let both = format!("chamber_a.pressure = {a} Pa and chamber_b.pressure = {b} Pa");
         let cavitates = |chamber: &usize| pressures[*chamber] + self.ambient < CAVITATES * self.ambient;

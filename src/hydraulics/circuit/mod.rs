@@ -1,9 +1,10 @@
 //! The laws of a hydraulic circuit: oil, valve, cylinder, seals, supply.
 //!
 //! In: the numbers of a circuit; pressures, spool, motion of the cylinder, pressures of the ports, command. Out: rates
-//! of the state, flows, the force, powers. All laws are generic over [`Number`](crate::numerics::dual::Number), so that
-//! values and exact derivatives share one law, and all are smooth: no law has a kink where a flow, the spool or the
-//! piston reverses. It must not know time, nor how the laws are integrated.
+//! of the state, flows, the force, powers. All laws are generic over
+//! [`Number`](foundation::numerics::dual::Number), so that values and exact derivatives share one law, and all are
+//! smooth: no law has a kink where a flow, the spool or the piston reverses. It must not know time, nor how the laws
+//! are integrated.
 //!
 //! ```text
 //! smooth -> oil, seal -> flows -> rates <- supply

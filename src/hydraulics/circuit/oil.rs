@@ -3,7 +3,7 @@
 //! In: length of the actuator, pressures. Out: volumes, effective bulk moduli of oil, air, hoses and walls, the
 //! stiffness of both chambers as one spring. It must not know flows.
 use super::Equations;
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 impl Equations {
     /// Volumes of the chambers [m3] at a length of the actuator [m].

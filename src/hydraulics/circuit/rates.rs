@@ -3,8 +3,8 @@
 //! In: components of the state, motion of the actuator, ports. Out: the point of the laws; rates of all components, the
 //! force; the size of each component. It must not know what moves the actuator, nor steps.
 use super::{Equations, Flows, Point, Powers};
-use crate::hydraulics::definition::Circuit;
-use crate::numerics::dual::Number;
+use crate::definition::Circuit;
+use foundation::numerics::dual::Number;
 
 /// Components of the state of a circuit: two pressures, spool position and speed, pressure of the supply, six energies.
 pub const CIRCUIT: usize = DYNAMIC + ENERGIES;

@@ -4,7 +4,7 @@
 //! must not know flows.
 use super::Equations;
 use super::smooth::soft;
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 impl Equations {
     /// Friction of the seals without the part of the pressures [N] at a speed v [m/s]: (coulomb + (static - coulomb)

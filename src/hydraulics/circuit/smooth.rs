@@ -2,7 +2,7 @@
 //!
 //! In: an argument and the width of the rounding. Out: the value with its derivative. It must not know what they stand
 //! for.
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 /// max(0, x), rounded over the width w: (x + sqrt(x^2 + w^2)) / 2.
 #[inline]

@@ -2,8 +2,8 @@
 //!
 //! In: the pressure of the accumulator, the flow to the valve. Out: the rate of the pressure. It must not know the
 //! valve.
-use crate::hydraulics::definition::{Accumulator, Pump};
-use crate::numerics::dual::Number;
+use crate::definition::{Accumulator, Pump};
+use foundation::numerics::dual::Number;
 
 /// Accumulator and pump at the supply.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Laws of a circuit against values of other implementations, differences, and the balance of powers.
 #![allow(clippy::unwrap_used)]
 use super::*;
-use crate::numerics::dual::{Dual, Number};
+use foundation::numerics::dual::{Dual, Number};
 
 fn equations() -> Equations {
     Equations::new(&Circuit::default())

@@ -3,8 +3,8 @@
 //! In: references, orders, seeds. Out: derivatives by the outputs' laws with dual numbers, or a refusal by name. It
 //! must not know any law.
 use super::{HostInputs, Kind, Model, Quantity};
-use crate::hydraulics::error::HydraulicsError;
-use crate::variables::{self, Causality, Reference, Variability};
+use crate::error::HydraulicsError;
+use foundation::variables::{self, Causality, Reference, Variability};
 
 /// Order of the derivatives of outputs in time.
 pub const OUTPUT_ORDER: i32 = 1;

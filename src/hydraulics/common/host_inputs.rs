@@ -2,7 +2,7 @@
 //!
 //! In: values and derivatives from the host. Out: the same, ready for a step, and their record. It must not know what
 //! they act on.
-use crate::codec::record::{Damaged, Record};
+use foundation::codec::record::{Damaged, Record};
 use std::fmt::Debug;
 
 /// Largest order of the derivatives of the speed.

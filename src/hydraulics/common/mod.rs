@@ -8,10 +8,10 @@ mod snapshot;
 mod values;
 
 use super::error::HydraulicsError;
-use crate::codec::record::{Damaged, Record};
-use crate::format::{About, DefinitionError, Experiment, Range, Role, Visit};
-use crate::variables::{Reference, Variable, Variables};
 pub use derivatives::{Differentiable, INPUT_ORDER, OUTPUT_ORDER};
+use foundation::codec::record::{Damaged, Record};
+use foundation::format::{About, DefinitionError, Experiment, Range, Role, Visit};
+use foundation::variables::{Reference, Variable, Variables};
 pub use host_inputs::{HostInputs, SPEED_ORDER};
 pub use snapshot::Snapshot;
 use std::fmt::Debug;

@@ -3,11 +3,11 @@
 //! In: a model. Out: a copy of its state, which shares the parameters; a model restored from a snapshot, which
 //! continues with identical results; the record of a snapshot. It must not know FMI.
 use super::{HostInputs, Kind, Model, Parameters, Quantity};
-use crate::codec::checksum::fnv1a;
-use crate::codec::record::{Damaged, Record};
-use crate::codec::writer::Writer;
-use crate::hydraulics::error::HydraulicsError;
-use crate::numerics::bits::same_bits;
+use crate::error::HydraulicsError;
+use foundation::codec::checksum::fnv1a;
+use foundation::codec::record::{Damaged, Record};
+use foundation::codec::writer::Writer;
+use foundation::numerics::bits::same_bits;
 use std::sync::Arc;
 
 /// All values that decide how a model continues.

@@ -3,10 +3,10 @@
 //! In: references, values from the host. Out: values; a refusal by name that changes nothing. It must not know how a
 //! value is computed.
 use super::{HostInputs, Kind, Model, Original, Parameters, Quantity};
-use crate::format::{About, DefinitionError, Experiment};
-use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
-use crate::hydraulics::error::HydraulicsError;
-use crate::variables::{Reference, Value, Variable, Variables};
+use crate::definition::{ABOVE_VACUUM, is_pressure};
+use crate::error::HydraulicsError;
+use foundation::format::{About, DefinitionError, Experiment};
+use foundation::variables::{Reference, Value, Variable, Variables};
 use std::sync::Arc;
 
 impl<K: Kind> Model<K> {

@@ -6,9 +6,9 @@ use super::sections::{
     Accumulator, Anticavitation, ChamberA, ChamberB, Check, Command, CushionA, CushionB, Cylinder, Fluid, Hose,
     Leakage, LockValve, Pump, Relief, RestrictorA, RestrictorB, Seal, Valve,
 };
-use crate::format::{DefinitionError, Described, Faults, Keyed, Owner, Range, Slot, Visit, keys, number};
-use crate::numerics::decimal::Decimal;
-use crate::variables::Unit;
+use foundation::format::{DefinitionError, Described, Faults, Keyed, Owner, Range, Slot, Visit, keys, number};
+use foundation::numerics::decimal::Decimal;
+use foundation::variables::Unit;
 
 keys! {
     /// A hydraulic circuit consists of a supply, a tank, a servo valve, a cylinder and oil.

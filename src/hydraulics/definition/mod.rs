@@ -6,13 +6,13 @@
 mod circuit;
 mod sections;
 
-use crate::format::{
+pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
+use foundation::format::{
     About, DefinitionError, Element, Experiment, Faults, Key, Numbers, Owner, Range, element, keys, number, read_with,
     words,
 };
-pub use crate::format::{Role, Visit};
-use crate::variables::Unit;
-pub use circuit::{ABOVE_VACUUM, Circuit, Supply, Tank, check_pressure, is_pressure};
+pub use foundation::format::{Role, Visit};
+use foundation::variables::Unit;
 pub use sections::*;
 
 /// Name of the definition file of a hydraulic actuator.
@@ -205,7 +205,7 @@ impl HydraulicActuator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::format::written;
+    use foundation::format::written;
 
     fn read(json: &str) -> Result<HydraulicActuator, String> {
         HydraulicActuator::from_json(json).map_err(|error| error.to_string())

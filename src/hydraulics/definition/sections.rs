@@ -3,13 +3,13 @@
 //! In: JSON objects. Out: one struct of numbers for each section, with its keys. It must not know what the numbers must
 //! be to each other.
 use super::{OilVolume, Transition};
-use crate::format::keys;
-use crate::format::{
+use foundation::format::keys;
+use foundation::format::{
     Range::{Finite, Length, NonNegative, Positive, Unit},
     Role::{Circuit, CircuitStart},
     number,
 };
-use crate::variables::Unit::{
+use foundation::variables::Unit::{
     CubicMetre, CubicMetrePerSecond, CubicMetrePerSecondPascal, Hertz, Metre, MetrePerSecond, Newton,
     NewtonSecondPerMetre, One, Pascal, Second, SquareMetre,
 };

@@ -2,8 +2,8 @@
 //!
 //! In: the table of variables. Out: the inputs and parameters of each output. It must not know the state.
 use super::Quantity;
-use crate::hydraulics::outputs::Output;
-use crate::variables::{Causality, Kind, Reference, Variables};
+use crate::outputs::Output;
+use foundation::variables::{Causality, Kind, Reference, Variables};
 
 /// Beginnings of the names of the parameters on which the flows through the edges of both chambers depend.
 const EDGES: &[&str] = &[

@@ -3,13 +3,13 @@
 //! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know
 //! any law.
 use super::{Model, OneActuator, Parameters, point};
-use crate::hydraulics::circuit::{CIRCUIT, ENERGY, Equations, Point};
-use crate::hydraulics::common::Differentiable;
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::inputs::{INPUTS, Input, Inputs};
-use crate::hydraulics::outputs::{Output, Present};
-use crate::hydraulics::state::{Preview, State, dynamic};
-use crate::numerics::dual::{Dual, Number};
+use crate::circuit::{CIRCUIT, ENERGY, Equations, Point};
+use crate::common::Differentiable;
+use crate::error::HydraulicsError;
+use crate::inputs::{INPUTS, Input, Inputs};
+use crate::outputs::{Output, Present};
+use crate::state::{Preview, State, dynamic};
+use foundation::numerics::dual::{Dual, Number};
 
 /// A direction in which state and inputs change.
 struct Direction {

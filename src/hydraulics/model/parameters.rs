@@ -2,9 +2,9 @@
 //!
 //! In: a definition with its laws, inputs. Out: the setting of a step. It must not know steps.
 use super::Parameters;
-use crate::hydraulics::definition::HydraulicActuator;
-use crate::hydraulics::inputs::{Input, Inputs};
-use crate::hydraulics::state::{Setting, State};
+use crate::definition::HydraulicActuator;
+use crate::inputs::{Input, Inputs};
+use crate::state::{Setting, State};
 
 impl Parameters {
     pub fn setting<'a>(&'a self, inputs: &'a Inputs) -> Setting<'a> {

@@ -4,16 +4,16 @@
 //! It must not know outputs.
 use super::warnings::{self, Warning};
 use super::{Model, is_same_step, point};
-use crate::format::Range;
-use crate::hydraulics::circuit::{EVENTS, SLACK};
-use crate::hydraulics::definition::{ABOVE_VACUUM, Mode, is_pressure};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::inputs::Input;
-use crate::hydraulics::interface::Quantity;
-use crate::hydraulics::state::{self, Blind, Foreseen, Setting, State, interrupted};
-use crate::hydraulics::systems::{LENGTH, SPEED};
-use crate::integrator::SHORTEST;
-use crate::variables::{Reference, Variables};
+use crate::circuit::{EVENTS, SLACK};
+use crate::definition::{ABOVE_VACUUM, Mode, is_pressure};
+use crate::error::HydraulicsError;
+use crate::inputs::Input;
+use crate::interface::Quantity;
+use crate::state::{self, Blind, Foreseen, Setting, State, interrupted};
+use crate::systems::{LENGTH, SPEED};
+use foundation::format::Range;
+use foundation::integrator::SHORTEST;
+use foundation::variables::{Reference, Variables};
 
 impl Model {
     /// Put the circuit at its start under the present parameters and inputs.
@@ -38,7 +38,7 @@ impl Model {
     }
 
     /// [`Self::step`], but to the first event within it, if there is one, whose time since its beginning [s] is
-    /// returned. The events are those of [`EVENTS`](crate::hydraulics::circuit::EVENTS), and the ends of the travel. In
+    /// returned. The events are those of [`EVENTS`](crate::circuit::EVENTS), and the ends of the travel. In
     /// the mode `delayed` a step with preview has no events, as the mechanism has the force of the whole step already.
     ///
     /// # Errors

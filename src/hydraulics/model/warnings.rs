@@ -1,12 +1,12 @@
 //! Warnings of a step to its host, each once after the initialisation.
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::circuit::Point;
-use crate::hydraulics::inputs::{Input, Inputs, clipping};
-use crate::hydraulics::outputs::stable_step;
-use crate::hydraulics::state::{Blind, Setting, State};
-use crate::numerics::decimal::Decimal;
+use crate::circuit::Point;
+use crate::inputs::{Input, Inputs, clipping};
+use crate::outputs::stable_step;
+use crate::state::{Blind, Setting, State};
+use foundation::codec::record::{Damaged, Record};
+use foundation::numerics::decimal::Decimal;
 
 /// Kinds of warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -2,8 +2,8 @@
 //!
 //! In: a definition, values of outputs at the start by name. Out: facts. It must not know laws: the outputs tell.
 use super::definition::{HydraulicSystem, PumpType};
-use crate::inspection::Fact;
-use crate::variables::Unit;
+use foundation::inspection::Fact;
+use foundation::variables::Unit;
 use std::f64::consts::FRAC_PI_4;
 
 /// All facts. `value`: of an output at the start, by its name.

@@ -3,13 +3,14 @@
 //! In: values and derivatives from the host. Out: each input as a polynomial in time, counted from the communication
 //! point. It must not know what they act on.
 use super::layout::{Input, Layout, Part};
-use crate::format::Range;
-use crate::hydraulics::common::{HostInputs, SPEED_ORDER};
-use crate::hydraulics::inputs::Polynomial;
+use crate::common::{HostInputs, SPEED_ORDER};
+use crate::inputs::Polynomial;
+use foundation::format::Range;
 
 /// Values and time derivatives of the inputs; see [`HostInputs`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct Inputs {
+    /// Values.
     pub values: Vec<f64>,
     /// Derivatives of the orders 1 to 4.
     rates: Vec<[f64; SPEED_ORDER]>,

@@ -4,7 +4,7 @@
 use super::definition::HydraulicSystem;
 use super::facts::facts;
 use super::model::Model;
-use crate::inspection::{Finding, Inspection};
+use foundation::inspection::{Finding, Inspection};
 
 /// Inspect the text of a definition.
 pub fn inspect(text: &str) -> Inspection {

@@ -6,14 +6,14 @@ mod tables;
 use super::definition::{HydraulicSystem, Mode, kind_of};
 use super::layout::{Input, Layout, Part};
 use super::outputs::{Ahead, Output};
-use crate::format::Role;
-use crate::variables::{
+use foundation::format::Role;
+use foundation::variables::{
     Causality, Details, Kind, Member, Reference, Terminal, Unit, Value, Variability, Variable, Variables,
 };
 use tables::{PARTS, PREVIEW, TOTALS};
 
 /// Quantity of a variable.
-pub type Quantity = crate::hydraulics::common::Quantity<Output>;
+pub type Quantity = crate::common::Quantity<Output>;
 
 /// The variables as they come up.
 struct Builder<'a> {

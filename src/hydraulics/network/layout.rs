@@ -8,11 +8,17 @@ use super::definition::{HydraulicSystem, Ports, TOTALS};
 /// first moment of the force of each cylinder, the totals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Layout {
+    /// Number of nodes.
     pub nodes: usize,
+    /// Number of reservoirs.
     pub reservoirs: usize,
+    /// Number of pumps.
     pub pumps: usize,
+    /// Number of valves.
     pub valves: usize,
+    /// Number of bypasses.
     pub bypasses: usize,
+    /// Number of cylinders.
     pub cylinders: usize,
     /// Number of valves with dynamics.
     pub spools: usize,

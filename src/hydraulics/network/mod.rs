@@ -8,14 +8,14 @@
 //! definition -> layout, laws -> system -> state -> outputs, model
 //! ```
 pub mod definition;
-pub(crate) mod facts;
-pub(crate) mod inputs;
+pub mod facts;
+pub mod inputs;
 pub mod inspection;
-pub(crate) mod interface;
-pub(crate) mod laws;
-pub(crate) mod layout;
+pub mod interface;
+pub mod laws;
+pub mod layout;
 mod model;
-pub(crate) mod outputs;
+pub mod outputs;
 mod state;
 mod system;
 

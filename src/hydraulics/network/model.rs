@@ -15,15 +15,15 @@ use super::layout::{Input, Layout, Part};
 use super::outputs::{Ahead, Output, Present, ahead, blind};
 use super::state::{Setting, State};
 use super::system::Motion;
-use crate::codec::record::{Damaged, Record};
-use crate::format::{About, DefinitionError, Experiment, Range, Visit};
-use crate::hydraulics::common::{self, Kind};
-use crate::hydraulics::definition::check_pressure;
-use crate::hydraulics::error::HydraulicsError;
-use crate::inspection::Finding;
-use crate::integrator::Statistics;
-use crate::variables::{Reference, Terminal, Variable};
+use crate::common::{self, Kind};
+use crate::definition::check_pressure;
+use crate::error::HydraulicsError;
 use cache::Cache;
+use foundation::codec::record::{Damaged, Record};
+use foundation::format::{About, DefinitionError, Experiment, Range, Visit};
+use foundation::inspection::Finding;
+use foundation::integrator::Statistics;
+use foundation::variables::{Reference, Terminal, Variable};
 use warnings::Warnings;
 
 /// The kind of a hydraulic system.

@@ -4,7 +4,7 @@
 use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS};
 use super::laws::{Drive, Laws, Point};
 use super::layout::Total;
-use crate::numerics::dual::Number;
+use foundation::numerics::dual::Number;
 
 /// A computed quantity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,16 +46,19 @@ pub enum Output {
 /// What the foreseen motion of a cylinder tells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ahead {
-    /// Value and rate of the line with the impulse and the first moment of the force [N], [N/s].
+    /// Value of the line with the impulse and the first moment of the force [N].
     Force,
+    /// Rate of this line [N/s].
     ForceRate,
     /// Mean force [N].
     ForceMean,
-    /// Length and speed at the end [m], [m/s].
+    /// Length at the end [m].
     Length,
+    /// Speed at the end [m/s].
     Speed,
-    /// Accelerations under the force at the beginning and at the end [m/s2].
+    /// Acceleration under the force at the start [m/s2].
     StartAcceleration,
+    /// Acceleration under the force at the end [m/s2].
     Acceleration,
 }
 

@@ -11,10 +11,10 @@ use super::inputs::Inputs;
 use super::laws::{Drive, Element, Laws, Rest};
 use super::layout::Part;
 use super::system::{Job, Memory, Motion};
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::error::HydraulicsError;
-use crate::integrator::Statistics;
-use crate::numerics::dual::{Dual, Number};
+use crate::error::HydraulicsError;
+use foundation::codec::record::{Damaged, Record};
+use foundation::integrator::Statistics;
+use foundation::numerics::dual::{Dual, Number};
 
 use ends::Rested;
 pub use foreseen::{Foreseen, Predicted};

@@ -10,12 +10,12 @@ use super::definition::{MOST_COMPONENTS, MOST_CYLINDERS, TOTALS};
 use super::inputs::{Inputs, limits};
 use super::laws::{Cylinder, Drive, Laws, Rest};
 use super::layout::Layout;
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::circuit::FREE;
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::inputs::Polynomial;
-use crate::integrator::{Direction, IntegrationError, Integrator, Statistics, Step, System};
-use crate::numerics::dual::{Dual, Number};
+use crate::circuit::FREE;
+use crate::error::HydraulicsError;
+use crate::inputs::Polynomial;
+use foundation::codec::record::{Damaged, Record};
+use foundation::integrator::{Direction, IntegrationError, Integrator, Statistics, Step, System};
+use foundation::numerics::dual::{Dual, Number};
 
 /// Number of components of which a Jacobian takes the derivatives at once.
 const AT_ONCE: usize = 8;

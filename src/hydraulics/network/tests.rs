@@ -7,7 +7,7 @@ mod limits;
 mod supply;
 
 use super::Model;
-use crate::hydraulics::tests::H0;
+use crate::tests::H0;
 
 /// The circuit of the hydraulic actuator as a network.
 const ACTUATOR: &str = r#"{
@@ -51,7 +51,7 @@ impl Host {
     /// All outputs that are numbers.
     fn outputs(&mut self) -> Vec<f64> {
         let list = self.0.variables().list();
-        let is = |v: &crate::variables::Variable| v.is_output() && v.kind == crate::variables::Kind::Real;
+        let is = |v: &foundation::variables::Variable| v.is_output() && v.kind == foundation::variables::Kind::Real;
         let outputs: Vec<u32> = (0..list.len()).filter(|i| is(&list[*i])).map(|i| i as u32).collect();
         outputs.into_iter().map(|output| self.0.real(output).unwrap()).collect()
     }

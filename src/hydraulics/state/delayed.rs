@@ -11,10 +11,10 @@
 //! has the eigenvalues of a pair without a delay.
 use super::limits::{holds, passed};
 use super::{Blind, Foreseen, Preview, SAME_STEP, Setting, State};
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::circuit::CIRCUIT;
-use crate::hydraulics::inputs::Input;
-use crate::hydraulics::systems::{ELEMENT, Element, IMPULSE, LENGTH, SPEED, with_element, without_element};
+use crate::circuit::CIRCUIT;
+use crate::inputs::Input;
+use crate::systems::{ELEMENT, Element, IMPULSE, LENGTH, SPEED, with_element, without_element};
+use foundation::codec::record::{Damaged, Record};
 
 /// What the mechanism has been told of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]

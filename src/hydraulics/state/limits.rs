@@ -8,10 +8,10 @@
 //! end of the cylinder holds the mechanism by the actuator alone: while the piston rests there, the force is the load,
 //! and an impact is an impulse m (v' - v) of the force.
 use super::march::{Levels, March};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::systems::{Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED};
-use crate::integrator::{Direction, Integrator, Step};
-use crate::numerics::dual::Number;
+use crate::error::HydraulicsError;
+use crate::systems::{Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED};
+use foundation::integrator::{Direction, Integrator, Step};
+use foundation::numerics::dual::Number;
 
 /// Most halvings that find the instant at which an element leaves a stop.
 const HALVINGS: usize = 60;

@@ -3,14 +3,14 @@
 //! In: a system, its memory, the state. Out: the state at an instant of the step. It must not know the motion of the
 //! actuator, nor what it moves.
 use super::Setting;
-use crate::hydraulics::circuit::{EVENTS, Equations, SPOOL, SUPPLY};
-use crate::hydraulics::definition::Solver;
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::events;
-use crate::hydraulics::systems::{LENGTH, Watched};
-use crate::integrator::{Direction, IntegrationError, Integrator, Step, System};
-use crate::numerics::decimal::Decimal;
-use crate::numerics::order;
+use crate::circuit::{EVENTS, Equations, SPOOL, SUPPLY};
+use crate::definition::Solver;
+use crate::error::HydraulicsError;
+use crate::events;
+use crate::systems::{LENGTH, Watched};
+use foundation::integrator::{Direction, IntegrationError, Integrator, Step, System};
+use foundation::numerics::decimal::Decimal;
+use foundation::numerics::order;
 
 /// Most instants within a step at which its integration must stop.
 const INSTANTS: usize = 24;

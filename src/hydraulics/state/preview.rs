@@ -5,15 +5,15 @@
 use super::limits::{Course, holds};
 use super::march::{Instants, Levels, March, finite};
 use super::{Last, Setting, State};
-use crate::hydraulics::circuit::{CIRCUIT, settling_reach};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::inputs::Input;
-use crate::hydraulics::systems::{
+use crate::circuit::{CIRCUIT, settling_reach};
+use crate::error::HydraulicsError;
+use crate::inputs::Input;
+use crate::systems::{
     Coupled, ELEMENT, Element, Hold, IMPULSE, LENGTH, MOMENT, SPEED, TANGENT, Tangent, with_element, without_element,
 };
-use crate::integrator::{Integrator, System};
-use crate::numerics::decimal::Decimal;
-use crate::numerics::dual::{Dual, Number};
+use foundation::integrator::{Integrator, System};
+use foundation::numerics::decimal::Decimal;
+use foundation::numerics::dual::{Dual, Number};
 
 /// Change of the mass over one step, as a part of the mass, from which one element does not foresee the motion.
 const MASS_CHANGE: f64 = 0.5;
@@ -47,7 +47,7 @@ pub struct Foreseen {
     /// What stops and locks did to the element.
     pub course: Course,
     /// The event at which it ends, if events are looked for: an index of
-    /// [`EVENTS`](crate::hydraulics::circuit::EVENTS) or their number.
+    /// [`EVENTS`](crate::circuit::EVENTS) or their number.
     pub event: Option<usize>,
 }
 

@@ -3,9 +3,9 @@
 //! In: the element, force and motion at the beginning, the state at the end, what limits did until then. Out: the line
 //! of the force, its mean, motion and accelerations at the end. It must not know how the motion was predicted.
 use super::limits::{Course, line_from_rest};
-use crate::hydraulics::circuit::{Equations, settling_acceleration};
-use crate::hydraulics::systems::{ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED};
-use crate::numerics::dual::Number;
+use crate::circuit::{Equations, settling_acceleration};
+use crate::systems::{ELEMENT, Element, IMPULSE, LENGTH, MOMENT, SPEED};
+use foundation::numerics::dual::Number;
 
 /// What the foreseen motion tells of a step of size h, in the words of the interface.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! Derivatives of outputs by inputs and in time against differences.
 use super::*;
-use crate::variables::{Causality, Kind};
+use foundation::variables::{Causality, Kind};
 
 #[test]
 fn directional_derivatives_are_those_of_differences() {
@@ -33,8 +33,8 @@ fn directional_derivatives_are_those_of_differences() {
     let outputs: Vec<u32> = (0..list.len() as u32)
         .filter(|i| {
             let v = &list[*i as usize];
-            v.causality == crate::variables::Causality::Output
-                && v.variability == crate::variables::Variability::Continuous
+            v.causality == foundation::variables::Causality::Output
+                && v.variability == foundation::variables::Variability::Continuous
         })
         .collect();
     let sizes = [1e-4, 1e-3, 0.1, 0.1, 1e6, 1e5, 10.0, 100.0, 100.0, 1e3, 1e-4];
@@ -92,8 +92,8 @@ fn output_derivatives_are_rates_of_the_outputs() {
     let mut actuator = start(t);
     let list = actuator.variables().list().to_vec();
     for (index, variable) in (0..).zip(&list) {
-        let continuous = variable.variability == crate::variables::Variability::Continuous;
-        let output = variable.causality == crate::variables::Causality::Output;
+        let continuous = variable.variability == foundation::variables::Variability::Continuous;
+        let output = variable.causality == foundation::variables::Causality::Output;
         if !(output && continuous) || variable.name.starts_with("preview.") {
             continue;
         }

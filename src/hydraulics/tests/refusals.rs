@@ -167,9 +167,11 @@ fn the_work_of_a_step_is_bounded() {
 #[test]
 fn extreme_parameters_end_in_values_or_named_errors() {
     let list = model(ACTUATOR).variables().list().to_vec();
-    let parameters = list.iter().filter(|v| v.causality == crate::variables::Causality::Parameter);
+    let parameters = list.iter().filter(|v| v.causality == foundation::variables::Causality::Parameter);
     let real = parameters.filter_map(|v| match v.start {
-        Some(crate::variables::Value::Real(start)) if !v.name.starts_with("solver.") => Some((v.name.clone(), start)),
+        Some(foundation::variables::Value::Real(start)) if !v.name.starts_with("solver.") => {
+            Some((v.name.clone(), start))
+        }
         _ => None,
     });
     let (mut good, mut refused) = (0, 0);

@@ -83,8 +83,8 @@ pub fn set_forces_of_locks(travel: &mut Travel, reduced: &Reduced) -> Result<(),
         let is_shared = |place: &Place| travel.holds(*place, lock.stop);
         let shared: Vec<Place> = [0, 1].map(Place::rigid).into_iter().filter(is_shared).collect();
         let meets = |stop: usize| stop == lock.stop || shared.iter().any(|place| travel.holds(*place, stop));
-        if locks.iter().filter(|other| meets(other.stop)).count() > 1 {
-            let message = "another lock is at the same stop: combine the two locks, or remove this key";
+        if let Some(other) = locks.iter().find(|other| other.name != lock.name && meets(other.stop)) {
+            let message = shared_stop(&other.name);
             return Err(DefinitionError::key(format_args!("locks.{}.engage_force", lock.name), message).into());
         }
         for side in 0..2 {
@@ -95,6 +95,11 @@ pub fn set_forces_of_locks(travel: &mut Travel, reduced: &Reduced) -> Result<(),
         travel.bumpers.iter_mut().filter(|own| own.stop == lock.stop).for_each(|own| own.engages = lock.engage);
     }
     Ok(())
+}
+
+/// Message for two locks at one stop of which one has a force.
+fn shared_stop(other: &str) -> String {
+    format!("the lock {other} is at the same stop: combine the two locks, or remove this key")
 }
 
 /// What the locks with a release force hold at the rigid stop of each side.
@@ -115,8 +120,9 @@ fn grips(travel: &Travel, reduced: &Reduced) -> Result<[Option<f64>; 2], ModelEr
         for (side, grip) in grips.iter_mut().enumerate() {
             let place = Place::rigid(side);
             let Some(end) = travel.rigid[side].filter(|_| travel.holds(place, lock.stop)) else { continue };
-            if loading.locks.iter().filter(|other| travel.holds(place, other.stop)).count() > 1 {
-                refused("another lock is at the same stop: combine the two locks, or remove this key")?;
+            let mut others = loading.locks.iter().filter(|other| other.name != lock.name);
+            if let Some(other) = others.find(|other| travel.holds(place, other.stop)) {
+                refused(&shared_stop(&other.name))?;
             }
             *grip = Some(force * reduced.lock_path(index, reduced.unwound(end.position).0).norm());
         }

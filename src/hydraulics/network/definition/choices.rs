@@ -1,7 +1,7 @@
 //! Choices of an element of a network by word.
 //!
 //! In: words of a file. Out: enumerations. It must not know laws.
-use crate::format::words;
+use foundation::format::words;
 
 words! {
     /// Motion of the cylinders within a step.

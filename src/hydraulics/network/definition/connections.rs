@@ -5,10 +5,10 @@
 use super::{
     CAPACITY, HydraulicSystem, MOST_COMPONENTS, MOST_CYLINDERS, MOST_PATHS, MOST_VALVES, Ports, PumpType, TOTALS,
 };
-use crate::format::{DefinitionError, Faults, Range};
-use crate::hydraulics::definition::check_pressure;
-use crate::numerics::decimal::Decimal;
-use crate::variables::nearest;
+use crate::definition::check_pressure;
+use foundation::format::{DefinitionError, Faults, Range};
+use foundation::numerics::decimal::Decimal;
+use foundation::variables::nearest;
 
 /// Least part of the travel over which a position valve opens [m]: less is no more than rounding of a length.
 const LEAST_WIDTH: f64 = 1e-9;

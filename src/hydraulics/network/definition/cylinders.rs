@@ -3,14 +3,16 @@
 //! In: JSON objects. Out: one struct of numbers and names for each element, with its keys. It must not know what the
 //! elements must be to each other.
 use super::choices::Mode;
-use crate::format::{
+use crate::definition::{Leakage, OilVolume, Seal};
+use foundation::format::{
     Key,
     Range::{Finite, Length, NonNegative, Positive, Unit as UnitRange},
     Role::{Circuit, CircuitStart},
     keys, line, number,
 };
-use crate::hydraulics::definition::{Leakage, OilVolume, Seal};
-use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, Kilogram, Metre, MetrePerSecond, Newton, One, Pascal};
+use foundation::variables::Unit::{
+    CubicMetre, CubicMetrePerSecond, Kilogram, Metre, MetrePerSecond, Newton, One, Pascal,
+};
 
 keys! {
     /// A cylinder has two chambers, A (piston side) and B (rod side).

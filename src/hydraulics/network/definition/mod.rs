@@ -11,13 +11,13 @@ mod sections;
 mod supply;
 mod warnings;
 
-use crate::format::{
+use crate::definition::{Fluid, Leakage, Seal, Solver};
+pub use choices::*;
+pub use cylinders::*;
+use foundation::format::{
     About, DefinitionError, Described, Element, Experiment, Faults, Key, Keyed, Named, Numbers, Owner, Slot, Visit,
     element, keys, read_with,
 };
-use crate::hydraulics::definition::{Fluid, Leakage, Seal, Solver};
-pub use choices::*;
-pub use cylinders::*;
 pub use ports::Ports;
 pub use sections::*;
 

@@ -3,13 +3,15 @@
 //! In: JSON objects. Out: one struct of numbers and names for each element, with its keys. It must not know what the
 //! elements must be to each other.
 use super::choices::{Opens, PumpType};
-use crate::format::{
+use crate::definition::Transition;
+use foundation::format::{
     Range::{Finite, NonNegative, Positive, Unit as UnitRange},
     Role::{Circuit, CircuitStart},
     keys, line, number,
 };
-use crate::hydraulics::definition::Transition;
-use crate::variables::Unit::{CubicMetre, CubicMetrePerSecond, CubicMetrePerSecondPascal, Hertz, Metre, One, Pascal};
+use foundation::variables::Unit::{
+    CubicMetre, CubicMetrePerSecond, CubicMetrePerSecondPascal, Hertz, Metre, One, Pascal,
+};
 
 keys! {
     /// A reservoir is a port whose pressure is the input `<name>.pressure`.

@@ -3,7 +3,7 @@
 //! In: a definition whose connections are in order. Out: warnings about valves and locks that no pressure reaches. It
 //! must not know laws.
 use super::{HydraulicSystem, Ports};
-use crate::inspection::Finding;
+use foundation::inspection::Finding;
 
 /// Remedy for a port without a supply.
 const REMEDY: &str = "connect a pump, an accumulator, or a reservoir for the supply pressure";

@@ -2,9 +2,9 @@
 //!
 //! In: a definition whose numbers and connections are in order. Out: warnings. It must not know laws.
 use super::{HydraulicSystem, Ports, PumpType};
-use crate::hydraulics::plausibility::implausible;
-use crate::inspection::Finding;
-use crate::numerics::decimal::Decimal;
+use crate::plausibility::implausible;
+use foundation::inspection::Finding;
+use foundation::numerics::decimal::Decimal;
 use std::fmt;
 
 impl HydraulicSystem {

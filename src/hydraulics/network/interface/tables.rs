@@ -1,9 +1,9 @@
 //! Names, texts and units of the variables that every cylinder and every network has.
 //!
 //! In: nothing. Out: tables; `@` in a text is the name of the cylinder. It must not know a definition.
-use crate::hydraulics::network::layout::{Part, Total};
-use crate::hydraulics::network::outputs::{Ahead, Output};
-use crate::variables::Unit;
+use crate::network::layout::{Part, Total};
+use crate::network::outputs::{Ahead, Output};
+use foundation::variables::Unit;
 
 /// Name, text and unit of each input of a cylinder, in the order of [`Part::ALL`].
 pub const PARTS: [(&str, &str, Unit); Part::ALL.len()] = [

@@ -2,10 +2,10 @@
 //!
 //! In: a definition. Out: its laws, with ports by index. It must not know values of the state.
 use super::{Accumulator, Cylinder, Law, Laws, Lock, Node, Path, Pilot, Pump, Valve};
-use crate::hydraulics::circuit::Equations;
-use crate::hydraulics::definition::{Circuit, Leakage, Seal, Transition};
-use crate::hydraulics::network::definition::{self, HydraulicSystem, Opens, Ports, PumpType};
-use crate::hydraulics::network::layout::Layout;
+use crate::circuit::Equations;
+use crate::definition::{Circuit, Leakage, Seal, Transition};
+use crate::network::definition::{self, HydraulicSystem, Opens, Ports, PumpType};
+use crate::network::layout::Layout;
 use std::f64::consts::TAU;
 
 /// Pressure over which the direction of a flow opens and closes check valves [Pa]; that of `check.pressure`.

@@ -2,9 +2,9 @@
 //!
 //! In: the laws, a state. Out: guards of the events, whose signs change there; their words. It must not know time.
 use super::{Law, Laws, Pilot};
-use crate::hydraulics::events::Guard;
-use crate::hydraulics::network::definition::HydraulicSystem;
-use crate::numerics::decimal::Decimal;
+use crate::events::Guard;
+use crate::network::definition::HydraulicSystem;
+use foundation::numerics::decimal::Decimal;
 
 /// Events of the spool of a valve, and of the cushions of a cylinder.
 const SPOOL: usize = 4;

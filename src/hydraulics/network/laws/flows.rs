@@ -2,9 +2,9 @@
 //!
 //! In: a point. Out: the net flow into each port, the flow of each path and pump, powers. It must not know elasticity.
 use super::{Accumulator, Law, Laws, Path, Pilot};
-use crate::hydraulics::circuit::{gate, head, soft};
-use crate::hydraulics::network::definition::{MOST_CYLINDERS, MOST_VALVES};
-use crate::numerics::dual::Number;
+use crate::circuit::{gate, head, soft};
+use crate::network::definition::{MOST_CYLINDERS, MOST_VALVES};
+use foundation::numerics::dual::Number;
 
 /// Part of the band of a compensated pump over which its kinks are rounded.
 const PUMP_ROUNDING: f64 = 0.02;

@@ -11,12 +11,12 @@ mod rates;
 use super::definition::HydraulicSystem;
 use super::inputs::range;
 use super::layout::{Input, Layout};
-use crate::hydraulics::circuit::Equations;
-use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
-use crate::numerics::decimal::Decimal;
-use crate::numerics::dual::Number;
+use crate::circuit::Equations;
+use crate::definition::{ABOVE_VACUUM, is_pressure};
 pub use events::{Surroundings, empty_words};
 pub use flows::Point;
+use foundation::numerics::decimal::Decimal;
+use foundation::numerics::dual::Number;
 pub use rates::{Drive, Element, Rest};
 
 /// Part of the size of the spool position that holds where the spool is at rest.
@@ -29,15 +29,28 @@ const CAVITATES: f64 = 0.1;
 /// A place at which a law is not smooth, or changes within a hair's breadth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Border {
-    /// A cushion begins at this length of a cylinder [m].
-    Length { cylinder: usize, level: f64 },
-    /// An edge of a valve opens at this position of its spool; `near`: distance within which the spool is there.
-    Spool { component: usize, level: f64, near: f64 },
+    /// A cushion starts at a length of a cylinder.
+    Length {
+        /// Index of the cylinder.
+        cylinder: usize,
+        /// Length [m].
+        level: f64,
+    },
+    /// An edge of a valve opens at a position of the spool.
+    Spool {
+        /// Index of the spool's position in the state.
+        component: usize,
+        /// Position.
+        level: f64,
+        /// Distance within which the spool counts as being at the position.
+        near: f64,
+    },
 }
 
 /// The laws of one network.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Laws {
+    /// Indices of the state and of the inputs.
     pub layout: Layout,
     /// Names of the pressures that are states.
     pub names: Vec<String>,
@@ -48,8 +61,10 @@ pub struct Laws {
     paths: Vec<Path>,
     pumps: Vec<Pump>,
     valves: Vec<Valve>,
+    /// Cylinders.
     pub cylinders: Vec<Cylinder>,
     accumulators: Vec<Accumulator>,
+    /// Locks that pressure releases.
     pub locks: Vec<Lock>,
 }
 
@@ -162,8 +177,9 @@ pub struct Cylinder {
 pub struct Lock {
     /// Its port.
     pub at: usize,
-    /// Pressure at which it releases, and that below which it engages [Pa].
+    /// Pressure at which the lock releases [Pa].
     pub release: f64,
+    /// Pressure below which the lock engages [Pa].
     pub engage: f64,
 }
 

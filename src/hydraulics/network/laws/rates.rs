@@ -3,10 +3,10 @@
 //! In: flows, motions of the cylinders. Out: rates of all components of the state; forces; what a cylinder moves, as
 //! one element. It must not know how the laws are integrated.
 use super::{Laws, Point};
-use crate::hydraulics::circuit::settling_acceleration;
-use crate::hydraulics::network::definition::MOST_CYLINDERS;
-use crate::hydraulics::network::layout::Total;
-use crate::numerics::dual::Number;
+use crate::circuit::settling_acceleration;
+use crate::network::definition::MOST_CYLINDERS;
+use crate::network::layout::Total;
+use foundation::numerics::dual::Number;
 
 /// What a cylinder moves, as one element along it: (m + m' (s - s_0)) v' = F - W_0 - W_1 (s - s_0) - W_t t - m' v^2/2.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,6 +77,7 @@ pub enum Drive<T> {
 /// A piston at rest on an end of its cylinder: the force of the cylinder is the load of the element.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rest<T> {
+    /// Element that the cylinder moves.
     pub element: Element<T>,
     /// Length of the cylinder there [m].
     pub end: f64,

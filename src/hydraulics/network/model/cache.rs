@@ -1,9 +1,9 @@
 //! Results of a model for its present state and inputs.
 //!
 //! In: settings, a state. Out: flows and a foreseen motion, each found once. It must not know variables.
-use crate::hydraulics::network::layout::Layout;
-use crate::hydraulics::network::outputs::Present;
-use crate::hydraulics::network::state::{Foreseen, Setting, State};
+use crate::network::layout::Layout;
+use crate::network::outputs::Present;
+use crate::network::state::{Foreseen, Setting, State};
 
 /// Results for the present state and inputs.
 #[derive(Debug)]

@@ -3,14 +3,14 @@
 //! In: outputs, a direction of the inputs. Out: derivatives by the outputs' laws with dual numbers. It must not know
 //! any law.
 use super::{Model, Network, motion};
-use crate::hydraulics::common::Differentiable;
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
-use crate::hydraulics::network::inputs::order;
-use crate::hydraulics::network::laws::{Drive, Laws};
-use crate::hydraulics::network::layout::Part;
-use crate::hydraulics::network::outputs::{Ahead, Output, Present, ahead, blind};
-use crate::numerics::dual::{Dual, Number};
+use crate::common::Differentiable;
+use crate::error::HydraulicsError;
+use crate::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
+use crate::network::inputs::order;
+use crate::network::laws::{Drive, Laws};
+use crate::network::layout::Part;
+use crate::network::outputs::{Ahead, Output, Present, ahead, blind};
+use foundation::numerics::dual::{Dual, Number};
 
 /// A direction in which state and inputs change.
 struct Direction {

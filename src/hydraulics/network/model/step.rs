@@ -3,17 +3,17 @@
 //! In: parameters, inputs, the size of a step. Out: the state after it, warnings; a refusal that leaves all as it was.
 //! It must not know outputs.
 use super::Model;
-use crate::format::Range;
-use crate::hydraulics::circuit::SLACK;
-use crate::hydraulics::definition::{ABOVE_VACUUM, is_pressure};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::events::nearness;
-use crate::hydraulics::network::definition::Mode;
-use crate::hydraulics::network::inputs::range;
-use crate::hydraulics::network::layout::{Input, Part};
-use crate::hydraulics::state::interrupted;
-use crate::integrator::SHORTEST;
-use crate::variables::Reference;
+use crate::circuit::SLACK;
+use crate::definition::{ABOVE_VACUUM, is_pressure};
+use crate::error::HydraulicsError;
+use crate::events::nearness;
+use crate::network::definition::Mode;
+use crate::network::inputs::range;
+use crate::network::layout::{Input, Part};
+use crate::state::interrupted;
+use foundation::format::Range;
+use foundation::integrator::SHORTEST;
+use foundation::variables::Reference;
 
 /// Relative difference of two steps that rounding of times explains.
 const SAME_STEP: f64 = 1e-9;

@@ -2,11 +2,11 @@
 //!
 //! In: the inputs and the state of a step. Out: one line of text. It must not change the state.
 use super::Parameters;
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::network::laws::empty_words;
-use crate::hydraulics::network::layout::{Input, Part};
-use crate::hydraulics::network::state::{Foreseen, Setting, State, Toggle};
-use crate::numerics::decimal::Decimal;
+use crate::network::laws::empty_words;
+use crate::network::layout::{Input, Part};
+use crate::network::state::{Foreseen, Setting, State, Toggle};
+use foundation::codec::record::{Damaged, Record};
+use foundation::numerics::decimal::Decimal;
 
 /// Kinds of warnings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

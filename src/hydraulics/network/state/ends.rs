@@ -3,14 +3,14 @@
 //! In: the state, inputs. Out: whether the end holds the piston, and the impulse by which the force of the cylinder
 //! brings what it moves there. It must not know how a step is made.
 use super::{Last, Setting, State};
-use crate::codec::record::{Damaged, Record};
-use crate::hydraulics::circuit::{SLACK, settling_reach};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::network::definition::MOST_CYLINDERS;
-use crate::hydraulics::network::laws::{Drive, Element, Rest};
-use crate::hydraulics::network::layout::Part;
-use crate::hydraulics::network::system::Motion;
-use crate::numerics::dual::Number;
+use crate::circuit::{SLACK, settling_reach};
+use crate::error::HydraulicsError;
+use crate::network::definition::MOST_CYLINDERS;
+use crate::network::laws::{Drive, Element, Rest};
+use crate::network::layout::Part;
+use crate::network::system::Motion;
+use foundation::codec::record::{Damaged, Record};
+use foundation::numerics::dual::Number;
 
 /// Length beyond an end of the cylinder that what it moves may have, besides the way of a step [m].
 const OVERRUN: f64 = 1e-3;

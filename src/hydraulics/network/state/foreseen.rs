@@ -4,12 +4,12 @@
 //! not know how it was found.
 use super::ends::Rested;
 use super::{Setting, Toggle};
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
-use crate::hydraulics::network::laws::Drive;
-use crate::hydraulics::network::layout::Layout;
-use crate::hydraulics::network::system::{Memory, Motion};
-use crate::integrator::System;
+use crate::error::HydraulicsError;
+use crate::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
+use crate::network::laws::Drive;
+use crate::network::layout::Layout;
+use crate::network::system::{Memory, Motion};
+use foundation::integrator::System;
 
 /// The motion foreseen over a step.
 #[derive(Clone, Debug)]

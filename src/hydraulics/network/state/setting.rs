@@ -2,14 +2,14 @@
 //!
 //! In: what a model has at the beginning of a step. Out: the jobs of its integrations; lengths that are refused. It
 //! must not know the state.
-use crate::format::Named;
-use crate::hydraulics::definition::Solver;
-use crate::hydraulics::error::HydraulicsError;
-use crate::hydraulics::network::definition::{Cylinder, MOST_CYLINDERS};
-use crate::hydraulics::network::inputs::Inputs;
-use crate::hydraulics::network::laws::{Drive, Laws};
-use crate::hydraulics::network::layout::Part;
-use crate::hydraulics::network::system::{Job, Motion};
+use crate::definition::Solver;
+use crate::error::HydraulicsError;
+use crate::network::definition::{Cylinder, MOST_CYLINDERS};
+use crate::network::inputs::Inputs;
+use crate::network::laws::{Drive, Laws};
+use crate::network::layout::Part;
+use crate::network::system::{Job, Motion};
+use foundation::format::Named;
 
 /// Limits of the length where none are known [m].
 const NO_LIMITS: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];

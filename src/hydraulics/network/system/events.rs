@@ -2,9 +2,9 @@
 //!
 //! In: a step. Out: the step up to its first event. It must not know what the host does there.
 use super::{Job, Motion};
-use crate::hydraulics::events;
-use crate::hydraulics::network::laws::{Drive, Rest, Surroundings};
-use crate::integrator::{Integrator, Step};
+use crate::events;
+use crate::network::laws::{Drive, Rest, Surroundings};
+use foundation::integrator::{Integrator, Step};
 
 /// Distance from an end of the travel within which a limit is this end [m].
 const ON_END: f64 = 1e-9;

@@ -3,11 +3,11 @@
 //! In: a job, a direction in which its start and its inputs change. Out: the state at the end of the step with its
 //! derivative. A limit that a cylinder meets within the step has no derivative.
 use super::{Job, Memory, Motion, SMALL, flow_inputs};
-use crate::hydraulics::circuit::FREE;
-use crate::hydraulics::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
-use crate::hydraulics::network::laws::Drive;
-use crate::integrator::{Integrator, System};
-use crate::numerics::dual::{Dual, Number};
+use crate::circuit::FREE;
+use crate::network::definition::{MOST_COMPONENTS, MOST_CYLINDERS};
+use crate::network::laws::Drive;
+use foundation::integrator::{Integrator, System};
+use foundation::numerics::dual::{Dual, Number};
 
 /// A network and the derivative of its motion along one direction: the variational equations, by dual numbers. M is
 /// twice the capacity N.

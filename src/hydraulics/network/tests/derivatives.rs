@@ -20,10 +20,10 @@ fn derivatives_are_those_of_the_values() {
     host.set("gear_dump.open", 0.3);
     host.set("preview.horizon", 2e-3);
     let list = host.0.variables().list().to_vec();
-    let is = |v: &crate::variables::Variable| v.is_output() && v.kind == crate::variables::Kind::Real;
+    let is = |v: &foundation::variables::Variable| v.is_output() && v.kind == foundation::variables::Kind::Real;
     let outputs: Vec<u32> = (0..list.len()).filter(|i| is(&list[*i])).map(|i| i as u32).collect();
     let inputs: Vec<usize> =
-        (0..list.len()).filter(|i| list[*i].causality == crate::variables::Causality::Input).collect();
+        (0..list.len()).filter(|i| list[*i].causality == foundation::variables::Causality::Input).collect();
     // Two points: before and after a step, so that the element has a past.
     for _ in 0..2 {
         let mut checked = 0;
@@ -78,7 +78,7 @@ fn rates_are_those_of_the_outputs() {
     host.0.initialize().unwrap();
     host.run(0.06, 1e-3);
     let list = host.0.variables().list().to_vec();
-    let is = |v: &crate::variables::Variable| v.is_output() && v.kind == crate::variables::Kind::Real;
+    let is = |v: &foundation::variables::Variable| v.is_output() && v.kind == foundation::variables::Kind::Real;
     let outputs: Vec<u32> =
         (0..list.len()).filter(|i| is(&list[*i]) && !list[*i].name.contains("preview")).map(|i| i as u32).collect();
     let snapshot = host.0.snapshot();

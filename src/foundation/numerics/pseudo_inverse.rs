@@ -2,7 +2,9 @@
 use nalgebra::DMatrix;
 
 /// The pseudo-inverse of a matrix by its singular values, where values up to `cut` count as 0. Products are computed
-/// column by column, because products of whole matrices would add kernels for large matrices to each library.
+/// column by column, because products of whole matrices would add kernels for large matrices to each library. The
+/// function is compiled where it is called, so that a library has one copy of nalgebra's decomposition.
+#[inline]
 pub fn pseudo_inverse(matrix: DMatrix<f64>, cut: f64) -> DMatrix<f64> {
     let (rows, columns) = matrix.shape();
     let inverse = matrix.svd(true, true).solve(&DMatrix::identity(rows, rows), cut);

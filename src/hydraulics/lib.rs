@@ -13,13 +13,13 @@ mod common;
 pub mod definition;
 mod error;
 mod events;
-pub(crate) mod inputs;
+pub mod inputs;
 pub mod inspection;
 mod interface;
 mod model;
 pub mod network;
 mod outputs;
-pub(crate) mod plausibility;
+pub mod plausibility;
 mod state;
 mod systems;
 

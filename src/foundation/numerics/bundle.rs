@@ -97,7 +97,7 @@ pub fn add_side_by_side(sums: &mut Vec<Row>, size: f64, rows: &[Row]) {
 }
 
 /// Values of functions side by side at x. If x carries derivatives, the values do too.
-#[inline]
+#[inline(never)]
 pub fn side_by_side_at<T: Number>(rows: &[Row], x: T, values: &mut [[T; ROW]]) {
     each_at(rows, [x; ROW], values);
 }
@@ -128,7 +128,7 @@ impl<T: Number> Task for Evaluation<'_, T> {
 }
 
 /// Sum over terms of up to P rows each: the values of each term times its size. Each function of a row has its x.
-#[inline]
+#[inline(never)]
 pub fn sum_at<T: Number, const P: usize>(terms: (&[Row], usize), sizes: &[T], x: [T; ROW]) -> [[T; ROW]; P] {
     processor::run(Terms { terms, sizes, x })
 }

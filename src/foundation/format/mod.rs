@@ -25,8 +25,7 @@ pub use aside::Aside;
 pub use declare::{keys, words};
 pub use experiment::Experiment;
 pub use expression::{Expression, LONGEST_EXPRESSION, is_reserved, number_with_unit};
-pub(crate) use fault::on_one_line;
-pub use fault::{DefinitionError, Fault, Faults, Place};
+pub use fault::{DefinitionError, Fault, Faults, Place, on_one_line};
 pub use json::{Json, Member, Node, parse};
 pub use keys::{
     Described, Element, Field, Group, Key, Keyed, Kind, List, Maybe, Names, Own, Short, Slot, Table, Word, curve,

@@ -329,7 +329,7 @@ impl IntoIterator for Faults {
 }
 
 /// A message on one line, with escaped control characters.
-pub(crate) fn on_one_line(message: &str) -> String {
+pub fn on_one_line(message: &str) -> String {
     let mut line = String::with_capacity(message.len());
     for c in message.chars() {
         match c.is_control() {
