@@ -1,10 +1,14 @@
 //! The commands with FMUs of other programs, and with archives instead of a definition.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/support/folder.rs"]
+mod folder;
+
+use folder::Folder;
+use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::Command;
-use std::{env, fs, process};
 use zip::ZipWriter;
 use zip::write::SimpleFileOptions;
 
@@ -31,8 +35,7 @@ fn run(words: &[&str], path: &Path) -> (i32, String, String) {
 
 #[test]
 fn archives_of_others_are_checked_and_named() {
-    let folder: PathBuf = env::temp_dir().join(format!("fmu-build-archives-{}", process::id()));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new("archives");
     let [sound, evil, system] = ["ball.fmu", "evil.fmu", "pair.ssp"].map(|name| folder.join(name));
     let description = ("modelDescription.xml", DESCRIPTION);
     zip(&sound, &[description, ("sources/ball.c", "int ball;")]);
@@ -53,7 +56,6 @@ fn archives_of_others_are_checked_and_named() {
         let (code, _, said) = run(words, path);
         assert!(code == 1 && said.contains(remedy) && !said.contains("UTF-8"), "{words:?}: {said}");
     }
-    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]

@@ -1,12 +1,20 @@
 //! The documentation in an FMU: the page against definition and engine, pictures, reference results, hostile texts.
 #![allow(clippy::unwrap_used)]
 
+#[allow(dead_code)]
+#[path = "../../tests/support/definition.rs"]
+mod definition;
+#[path = "../../tests/support/folder.rs"]
+mod folder;
+
+use definition::{With, rod};
 use fmu_build::check::{self, Checked};
 use fmu_build::documentation::{
     ANIMATION, Extent, ICON, MANIFEST, Made, PAGE, Picture, RESULTS, Subject, TERMINAL_ICONS, scene_path,
 };
 use fmu_build::drawing::{Colours, to_svg};
 use fmu_build::workspace::Workspace;
+use folder::Folder;
 use linkage_fmu::component::Component;
 use linkage_fmu::simulation::Simulation;
 use quick_xml::Reader;
@@ -272,21 +280,10 @@ fn a_run_that_ends_early_gives_no_results_but_a_page() {
 #[test]
 fn the_icon_of_a_flat_start_shows_another_position() {
     // The gear with crank, coupler and follower on one line has no height.
-    let flat = json!({
-        "name": "Flat",
-        "bodies": { "ground": {}, "rod": { "length": 1.0, "mass": 1.0, "shape": "uniform_rod" }, "slider": {
-            "mass": 1.0 },
-                    "crank": { "length": 0.5, "mass": 1.0, "shape": "uniform_rod" } },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
-            "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
-        },
-        "start": { "body": "crank", "angle": 0.0, "speed": 1.0 },
-        "guess": { "crank": 0.5, "rod": -0.2, "guide": 1.4 },
-        "experiment": { "stop_time": 1.0, "step_size": 0.01 }
-    });
+    let flat = definition::slider_crank([rod(0.5, 1.0), rod(1.0, 1.0), json!({ "mass": 1.0 })], 0.5).with(json!({
+        "name": "Flat", "start": { "angle": 0.0, "speed": 1.0 },
+        "experiment": { "stop_time": 1.0, "step_size": 0.01 },
+    }));
     let text = flat.to_string();
     let component = Component::from_definition(MECHANISM, &text).unwrap();
     let Picture::Mechanism { start, typical, .. } = Picture::new(&component, &text).unwrap() else { panic!() };
@@ -295,17 +292,15 @@ fn the_icon_of_a_flat_start_shows_another_position() {
 
 #[test]
 fn a_folder_may_contain_any_text_about_the_model() {
-    let folder = std::env::temp_dir().join(format!("fmu-build-documentation-{}", std::process::id()));
-    fs::create_dir_all(folder.join("resources")).unwrap();
-    fs::write(folder.join("resources").join(MECHANISM), definition("FourBar")).unwrap();
+    let folder = Folder::new("documentation");
+    folder.write("resources/mechanism.json", definition("FourBar"));
     let source = |folder: &Path| fmu_build::source::Source::find(&Workspace::locate(), folder).unwrap();
     assert_eq!(source(&folder).readme().unwrap(), None);
-    fs::write(folder.join("README.md"), "Größe *x*").unwrap();
+    folder.write("README.md", "Größe *x*");
     let readme = source(&folder).readme().unwrap().unwrap();
     assert!(page(&definition("FourBar"), Some(&readme)).contains("<p>Größe <em>x</em></p>"));
-    fs::write(folder.join("README.md"), [0xff, 0xfe]).unwrap();
+    folder.write("README.md", [0xff, 0xfe]);
     assert!(source(&folder).readme().unwrap_err().to_string().contains("is not UTF-8 text"));
-    fs::remove_dir_all(folder).unwrap();
 }
 
 /// Texts of the elements of this name, in their order.

@@ -2,13 +2,17 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::archive::{self, Entry};
 use fmu_build::source::Source;
 use fmu_build::workspace::Workspace;
+use folder::Folder;
 use std::fs;
 use std::os::unix::fs::symlink;
 use std::os::unix::net::UnixListener;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, Command};
 use std::time::{Duration, Instant};
 use std::{env, process, thread};
@@ -16,28 +20,12 @@ use std::{env, process, thread};
 /// Environment variable that turns a test into a program that writes an FMU to this path repeatedly.
 const WRITES: &str = "FMU_BUILD_TEST_WRITES";
 
-/// A folder that is removed with its contents.
-struct Folder(PathBuf);
-
 impl Folder {
-    fn new(test: &str) -> Self {
-        let path = env::temp_dir().join(format!("fmu-build-packing-{}-{test}", process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).unwrap();
-        Self(path.canonicalize().unwrap())
-    }
-
     fn names(&self) -> Vec<String> {
         let mut names: Vec<_> =
             fs::read_dir(&self.0).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
         names.sort();
         names
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
     }
 }
 

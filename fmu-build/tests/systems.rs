@@ -1,40 +1,19 @@
 //! Systems of FMUs: the examples, a user's own system, invalid systems. The schema and the reader agree.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::ssp::{Packable, System};
 use fmu_build::workspace::Workspace;
 use fmu_build::xml::ssv;
+use folder::Folder;
 use linkage_fmu::component::Component;
 use linkage_fmu::variables::Value as Start;
 use roxmltree::{Document, Node};
 use serde_json::{Value, json};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{env, fs, process};
-
-/// A folder that is removed with its contents.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = env::temp_dir().join(format!("fmu build systems {}-{test}", process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
-    /// Write a file. Returns its path.
-    fn write(&self, name: &str, text: &str) -> PathBuf {
-        let path = self.0.join(name);
-        fs::write(&path, text).unwrap();
-        path
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
-}
 
 fn descriptions() -> PathBuf {
     Workspace::locate().descriptions()

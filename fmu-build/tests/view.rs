@@ -1,10 +1,14 @@
 //! `cargo fmu view`: poses against closed forms and outputs, pages of valid and invalid definitions, hostile texts.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::archive::{self, Entry};
 use fmu_build::check::{self, Checked};
 use fmu_build::view::{self, Arguments, Data, Status, Wanted, as_script};
 use fmu_build::workspace::Workspace;
+use folder::Folder;
 use linkage_fmu::mechanism::inspection::{On, Pose, attempt};
 use linkage_fmu::simulation::Simulation;
 use serde_json::{Value, json};
@@ -342,8 +346,7 @@ fn every_mechanism_has_a_page_that_loads_nothing() {
 #[test]
 fn a_page_is_written_and_hydraulics_are_rejected() {
     let workspace = Workspace::locate();
-    let folder = std::env::temp_dir().join(format!("fmu-build-view-{}", std::process::id()));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new("view");
     let arguments = |path: PathBuf, out: &str| Arguments {
         path,
         out: Some(folder.join(out)),
@@ -378,5 +381,4 @@ fn a_page_is_written_and_hydraulics_are_rejected() {
     let error = view::run(&workspace, &arguments(actuator, "actuator.html")).unwrap_err().to_string();
     assert!(error.contains("has no mechanism that can be drawn"), "{error}");
     assert!(!folder.join("actuator.html").exists());
-    fs::remove_dir_all(folder).unwrap();
 }

@@ -84,14 +84,7 @@ fn the_belt_follows_its_input() {
 
     let after = |steps: u32| {
         let mut run = Run::new(parcel(1.5, [0.4, 0.2], [0.1, 0.6])).started();
-        let h = 1.5 / f64::from(steps);
-        for k in 0..steps {
-            let t = f64::from(k) * h;
-            run.set("slide.surface_speed", 1.5 - 8.0 * t + 4.0 * t * t);
-            run.set_derivative("slide.surface_speed", 1, -8.0 + 8.0 * t);
-            run.set_derivative("slide.surface_speed", 2, 8.0);
-            run.step(h);
-        }
+        run.follow("slide.surface_speed", [1.5, -8.0, 8.0], (steps, 1.5), |_, _| {});
         assert!(run.get("energy.drift").abs() < 1e-9);
         ["slide.position", "slide.speed", "slide.slip_speed"].map(|name| run.get(name))
     };

@@ -1,27 +1,20 @@
 //! Forces of controlled drives that follow with a time constant and at a limited rate: closed form of a ramp, matrix
 //! exponential, another integration with all limits, setting off from static friction at the instant, start values,
 //! linearisation, derivatives, saved states, refusals.
+use crate::integral_control::{GAIN, INERTIA, INTEGRAL_GAIN, SPEED_GAIN};
+use crate::integral_control::{assert_linear, breaks_away, controlled, from_rest};
 use crate::stiction;
 use crate::support::definition::{G, With, arm, block, weight, wheel};
-use crate::support::numeric::runge_kutta;
 use crate::support::{Run, assert_near, assert_rejected};
-use linkage_fmu::component::{Component, Linearisation};
+use linkage_fmu::component::Component;
 use nalgebra::{Matrix5, Vector5};
 use serde_json::{Value, json};
 
-const INERTIA: f64 = 0.2;
-const GAIN: f64 = 30.0;
-const SPEED_GAIN: f64 = 2.2;
-const INTEGRAL_GAIN: f64 = 45.0;
 const TIME: f64 = 0.02;
 
-/// A rotor at 0 with a servo whose torque follows with [`TIME`], integrated to 1e-12.
+/// A rotor at 0 with a servo whose torque follows with [`TIME`].
 fn rotor(more: Value) -> Value {
-    let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN, "force_time_constant": TIME });
-    wheel(INERTIA).with(json!({
-        "actuators": { "servo": { "joint": "hub", "torque": 0, "control": control.with(more) } },
-        "solver": { "tolerance": 1e-12 },
-    }))
+    controlled(json!({ "force_time_constant": TIME }).with(more))
 }
 
 /// A block of 2 kg whose force is that of the input, at a limited rate.
@@ -111,12 +104,7 @@ fn limited(limits: [f64; 2], rate: f64, tracking: f64, span: f64) -> ([f64; 4], 
         let integral = INTEGRAL_GAIN * (1.0 - y[0]) + (y[3] + change - demanded) / tracking;
         [y[1], y[3] / INERTIA, integral, change / TIME]
     };
-    let (mut y, mut most) = ([0.0; 4], 0.0_f64);
-    for _ in 0..400 {
-        y = runge_kutta(|_, y| rates(y), y, span / 400.0, 1000);
-        most = most.max(y[0]);
-    }
-    (y, most)
+    from_rest(rates, span)
 }
 
 #[test]
@@ -150,17 +138,8 @@ fn a_block_breaks_away_when_the_force_has_risen() {
     let text =
         stiction::block(0.0, 0.0).with(json!({ "actuators": { "motor": { "joint": "slide", "control": control } } }));
     let mut run = Run::new(&text).started();
-    let (place, time) = (run.get("slide.position"), 0.3 * 2.0 * G / rate);
     run.set("motor.force", 50.0);
-    for k in 1..=9 {
-        run.step(0.111 * time);
-        assert_eq!([run.get("slide.position"), run.get("slide.speed")], [place, 0.0]);
-        run.near("motor.acting_force", rate * 0.111 * time * f64::from(k), 1e-10);
-    }
-    run.step(0.00099 * time);
-    assert_eq!(run.get("slide.position"), place);
-    run.step(0.0005 * time);
-    assert!(run.get("slide.speed") > 0.0);
+    breaks_away(&mut run, 0.3 * 2.0 * G / rate, "motor.acting_force", rate);
 }
 
 /// The force starts as that of the controller under the inputs of the start, or as stated.
@@ -198,39 +177,18 @@ fn an_equilibrium_is_that_of_the_force_without_a_delay() {
 #[test]
 fn a_delayed_servo_has_its_eigenvalues_and_matrices() {
     let text = rotor(json!({ "command": 0.1, "max_force_rate": 50 }));
-    let mut model = Component::from_definition("mechanism.json", &text.to_string()).unwrap();
-    let find = |name: &str| model.interface().find(name).unwrap();
-    let asked = Linearisation {
-        coordinate: find("wheel.angle"),
-        inputs: ["command", "command_speed", "torque"].map(|name| find(&format!("servo.{name}"))).to_vec(),
-        outputs: vec![find("servo.acting_torque"), find("wheel.acceleration")],
-        held_by: Some(find("servo.torque")),
-    };
-    let at = model.linearise_here(&asked).unwrap();
-    // Held at rest, the torque of the servo is 0.
-    assert_near(at.acceleration, 0.0, 1e-12, "acceleration");
-    assert_near(at.holding.unwrap(), -GAIN * 0.1, 1e-12, "holding torque");
     let j = INERTIA;
     let rows = [[0.0, 1.0, 0.0], [0.0, 0.0, 1.0 / j], [-GAIN / TIME, -SPEED_GAIN / TIME, -1.0 / TIME]];
     let columns = [[0.0, 0.0, GAIN / TIME], [0.0, 0.0, SPEED_GAIN / TIME], [0.0, 0.0, 1.0 / TIME]];
-    let check = |found: &[Vec<f64>], expected: &[[f64; 3]]| {
-        assert_eq!(found.len(), expected.len());
-        for (value, exact) in found.iter().flatten().zip(expected.as_flattened()) {
-            assert_near(*value, *exact, 1e-10 * (1.0 + exact.abs()), "matrix");
-        }
-    };
-    check(&at.a, &rows);
-    check(&at.b, &columns);
-    check(&at.c, &[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0 / j]]);
-    check(&at.d, &[[0.0; 3]; 2]);
-    let mut product = nalgebra::Complex::new(1.0, 0.0);
-    for [re, im] in at.eigenvalues {
-        let s = nalgebra::Complex::new(re, im);
-        let residual = s * s * (s * TIME + 1.0) * j + s * SPEED_GAIN + GAIN;
-        assert!(residual.norm() < 1e-9 * (1.0 + s.norm().powi(3)), "{s}: {residual}");
-        product *= s;
-    }
-    assert_near(product.re, -GAIN / j / TIME, 1e-6, "product of the eigenvalues");
+    let at = assert_linear(
+        &text,
+        (["servo.acting_torque", "wheel.acceleration"], Some("servo.torque")),
+        [&rows, &columns, &[[0.0, 0.0, 1.0], [0.0, 0.0, 1.0 / j]], &[[0.0; 3]; 2]],
+        [TIME * j, j, SPEED_GAIN, GAIN],
+    );
+    // Held at rest, the torque of the servo is 0.
+    assert_near(at.acceleration, 0.0, 1e-12, "acceleration");
+    assert_near(at.holding.unwrap(), -GAIN * 0.1, 1e-12, "holding torque");
     // An equilibrium is that of the torque without a delay.
     let all = Run::new(&text).started().equilibria().unwrap();
     assert!(all.iter().any(|found| found.is_stable && (found.stiffness - GAIN / j).abs() < 1e-9), "{all:?}");

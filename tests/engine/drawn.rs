@@ -146,25 +146,7 @@ fn degrees_and_millimetres_are_the_same_mechanism() {
 
 /// A triangle 3-4-5 in millimetres: the crank from the origin to (30, 40), the slider at (110, 40).
 fn triangle() -> Value {
-    json!({
-        "name": "Triangle",
-        "units": { "angle": "deg", "length": "mm" },
-        "bodies": {
-            "ground": { "points": { "rail": [0, 40] } },
-            "crank": { "mass": 1, "drawn": { "origin": [0, 0], "end": [30, 40], "points": { "eye": [26, 43] },
-                "center": [15, 20] } },
-            "rod": { "drawn": { "origin": [30, 40], "end": [110, 40] } },
-            "slider": { "mass": 1, "drawn": { "origin": [110, 40], "angle": 90 } },
-            "flag": { "fixed_to": "rod.end", "drawn": { "origin": [110, 40], "end": [110, 50] } }
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
-            "guide": { "type": "prismatic", "first": "ground.rail", "second": "slider.origin" }
-        },
-        "start": { "body": "crank", "angle": 45 }
-    })
+    serde_json::from_str(include_str!("../fixtures/drawn_triangle.json")).unwrap()
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! Many runs by the energy integral: closed forms, the reference to 34 digits, the steps of the integration.
+use crate::support::definition::{With, arm};
 use crate::support::{BUCKET, CRANE, FOUR_BAR, GEAR, JIB, SLIDER_CRANK, TWO_DRIVES, changed, reals, without_stops};
 use linkage_fmu::simulation::{Runs, Simulation};
 use linkage_fmu::variables::Causality;
@@ -52,25 +53,19 @@ fn the_retraction_agrees_with_the_reference_of_34_digits() {
 /// steps. Of an input that is named twice the last value holds.
 #[test]
 fn a_rod_turns_under_constant_torques() {
-    let rod = json!({
-        "name": "Rod",
-        "bodies": { "ground": {}, "rod": { "length": 0.6, "mass": 2, "shape": "uniform_rod" } },
-        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
-        "torques": { "drive": { "on": "rod" } },
-        "start": { "body": "rod", "angle": 0.3 }, "guess": { "rod": 0.3 },
-    });
+    let rod = arm(0.6, 2.0, 0.3).with(json!({ "torques": { "drive": { "on": "arm" } } }));
     let rod = Simulation::open(&rod.to_string()).unwrap();
     let (torques, inertia, stop) = ([0.1, 2.9, 3.1, 9.0, 0.0, -0.7, -2.9, -40.0], 2.0 * 0.6 * 0.6 / 3.0, 1.0);
     let found = are_found(&rod, &["drive.torque"], &torques, stop);
     assert_eq!(found, torques.map(|torque: f64| torque != 0.0 && torque.abs() < 3.0));
-    let runs = many(&rod, &["drive.torque"], &torques, stop, &["rod.angle", "rod.speed", "energy.drift"]);
+    let runs = many(&rod, &["drive.torque"], &torques, stop, &["arm.angle", "arm.speed", "energy.drift"]);
     for (torque, values) in torques.iter().zip(runs.values.chunks(3)) {
         let (angle, speed) = (0.3 + 0.5 * torque / inertia, torque / inertia);
         assert!((values[0] - angle).abs() < 1e-12 * (1.0 + angle.abs()), "{torque}: {values:?} {angle}");
         assert!((values[1] - speed).abs() < 1e-12 * (1.0 + speed.abs()), "{torque}: {values:?} {speed}");
         assert!(values[2].abs() < 1e-12 * (1.0 + torque * torque), "{torque}: {values:?}");
     }
-    let twice = many(&rod, &["drive.torque"; 2], &[1.0, 2.0], stop, &["rod.angle"]);
+    let twice = many(&rod, &["drive.torque"; 2], &[1.0, 2.0], stop, &["arm.angle"]);
     assert!((twice.values[0] - 0.3 - 0.5 * 2.0 / inertia).abs() < 1e-9, "{twice:?}");
 }
 

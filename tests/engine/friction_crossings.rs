@@ -372,8 +372,7 @@ fn coupled_cranks_turn_a_hundred_times_as_in_closed_form() {
     // Reactions of least norm, with friction.
     let sizes = cranks.solve([fine, rate]).unwrap();
     for (joint, size) in ["a", "b", "c", "d", "e", "f"].into_iter().zip(sizes) {
-        let own = run.get(&format!("{joint}.force"));
-        assert!((own - size).abs() < 1e-6 * size, "{joint}: {own} {size}");
+        run.near(&format!("{joint}.force"), size, 1e-6 * size);
     }
 }
 

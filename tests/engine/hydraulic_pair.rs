@@ -6,7 +6,7 @@ use crate::support::{GEAR, numbers};
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
-const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
+pub const ACTUATOR: &str = include_str!("../../modelDescription/HydraulicActuator/resources/hydraulics.json");
 
 /// Times and crank angles of the retraction, or of the vibration if `second`.
 fn angles(second: bool) -> Vec<[f64; 2]> {
@@ -28,39 +28,38 @@ enum Scheme {
 /// Variables by name.
 macro_rules! host {
     ($name:ident, $model:ty) => {
-        struct $name($model);
+        pub struct $name(pub $model);
 
         #[allow(dead_code)]
         impl $name {
-            fn reference(&self, name: &str) -> u32 {
+            pub fn reference(&self, name: &str) -> u32 {
                 self.0.variables().find(name).unwrap_or_else(|| panic!("{name}"))
             }
 
-            fn set(&mut self, name: &str, value: f64) {
+            pub fn set(&mut self, name: &str, value: f64) {
                 self.0.set_real(self.reference(name), value).unwrap();
             }
 
-            fn get(&mut self, name: &str) -> f64 {
+            pub fn get(&mut self, name: &str) -> f64 {
                 self.0.real(self.reference(name)).unwrap()
             }
 
-            fn rate(&mut self, name: &str, order: i32, value: f64) {
+            pub fn rate(&mut self, name: &str, order: i32, value: f64) {
                 self.0.set_input_derivative(self.reference(name), order, value).unwrap();
             }
 
-            fn flag(&mut self, name: &str, on: bool) {
+            pub fn flag(&mut self, name: &str, on: bool) {
                 self.0.set_boolean(self.reference(name), on).unwrap();
             }
         }
     };
 }
-pub(crate) use host;
 host!(Gear, mechanism::Model);
 host!(Actuator, hydraulics::Model);
 
 /// Derivatives of orders 1 to 4 of the speed polynomial with values v and slopes a at both ends of a step and integral
 /// `way`.
-fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
+pub fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
     let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
     let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
     let (third, second) = (q - 2.0 * p - 2.0 * fourth, 3.0 * p - q + fourth);

@@ -5,48 +5,39 @@ use crate::stiction;
 use crate::support::definition::{G, With, arm, block, weight, wheel};
 use crate::support::numeric::runge_kutta;
 use crate::support::{Run, assert_near, assert_rejected};
-use linkage_fmu::component::{Component, Linearisation};
-use nalgebra::{DMatrix, Matrix4, Vector4};
+use linkage_fmu::component::{Component, Linearisation, Linearised};
+use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
 use serde_json::{Value, json};
 
-const INERTIA: f64 = 0.2;
-const GAIN: f64 = 30.0;
-const SPEED_GAIN: f64 = 2.2;
-const INTEGRAL_GAIN: f64 = 45.0;
+pub const INERTIA: f64 = 0.2;
+pub const GAIN: f64 = 30.0;
+pub const SPEED_GAIN: f64 = 2.2;
+pub const INTEGRAL_GAIN: f64 = 45.0;
 
-/// A rotor at 0 with a servo, integrated to 1e-12.
-fn rotor(more: Value) -> Value {
-    let control = json!({
-        "position_gain": GAIN, "speed_gain": SPEED_GAIN, "integral_gain": INTEGRAL_GAIN,
-    });
+/// A rotor at 0 with a servo with these further keys of its controller, integrated to 1e-12.
+pub fn controlled(more: Value) -> Value {
+    let control = json!({ "position_gain": GAIN, "speed_gain": SPEED_GAIN });
     wheel(INERTIA).with(json!({
         "actuators": { "servo": { "joint": "hub", "torque": 0, "control": control.with(more) } },
         "solver": { "tolerance": 1e-12 },
     }))
 }
 
+fn rotor(more: Value) -> Value {
+    controlled(json!({ "integral_gain": INTEGRAL_GAIN }).with(more))
+}
+
 /// The matrix of (angle, speed, integral part, 1) of the rotor under a command and a constant torque.
 fn system(command: f64, command_speed: f64, torque: f64) -> Matrix4<f64> {
     let j = INERTIA;
     let push = GAIN * command + SPEED_GAIN * command_speed + torque;
-    Matrix4::new(
-        0.0,
-        1.0,
-        0.0,
-        0.0,
-        -GAIN / j,
-        -SPEED_GAIN / j,
-        1.0 / j,
-        push / j,
-        -INTEGRAL_GAIN,
-        0.0,
-        0.0,
-        INTEGRAL_GAIN * command,
-        0.0,
-        0.0,
-        0.0,
-        0.0,
-    )
+    let rates = [
+        [0.0, 1.0, 0.0, 0.0],
+        [-GAIN / j, -SPEED_GAIN / j, 1.0 / j, push / j],
+        [-INTEGRAL_GAIN, 0.0, 0.0, INTEGRAL_GAIN * command],
+        [0.0; 4],
+    ];
+    Matrix4::from_fn(|row, column| rates[row][column])
 }
 
 #[test]
@@ -119,7 +110,12 @@ fn limited(limits: [f64; 2], tracking: f64, span: f64) -> ([f64; 3], f64) {
         let torque = demanded.clamp(limits[0], limits[1]);
         [y[1], torque / INERTIA, INTEGRAL_GAIN * (1.0 - y[0]) + (torque - demanded) / tracking]
     };
-    let (mut y, mut most) = ([0.0; 3], 0.0_f64);
+    from_rest(rates, span)
+}
+
+/// The state after a motion from 0, and the largest first component on the way.
+pub fn from_rest<const N: usize>(rates: impl Fn([f64; N]) -> [f64; N], span: f64) -> ([f64; N], f64) {
+    let (mut y, mut most) = ([0.0; N], 0.0_f64);
     for _ in 0..400 {
         y = runge_kutta(|_, y| rates(y), y, span / 400.0, 1000);
         most = most.max(y[0]);
@@ -161,18 +157,7 @@ fn a_block_breaks_away_when_the_integral_part_has_grown() {
     let place = run.get("slide.position");
     let (error, breakaway) = (0.2, 0.3 * 2.0 * G);
     run.set("motor.command", place + error);
-    let time = (breakaway - 10.0 * error) / (20.0 * error);
-    for k in 1..=9 {
-        run.step(0.111 * time);
-        let t = 0.111 * time * f64::from(k);
-        assert_eq!([run.get("slide.position"), run.get("slide.speed")], [place, 0.0]);
-        run.near("motor.integral_force", 20.0 * error * t, 1e-10);
-        run.near("slide.acceleration", 0.0, 0.0);
-    }
-    run.step(0.00099 * time);
-    assert_eq!(run.get("slide.position"), place);
-    run.step(0.0005 * time);
-    assert!(run.get("slide.speed") > 0.0);
+    breaks_away(&mut run, (breakaway - 10.0 * error) / (20.0 * error), "motor.integral_force", 20.0 * error);
     // Then it hunts: it slips, and sticks again beyond the command.
     let (mut stuck, mut passed) = (0, 0);
     for _ in 0..400 {
@@ -182,6 +167,22 @@ fn a_block_breaks_away_when_the_integral_part_has_grown() {
         run.near("energy.drift", 0.0, 1e-6);
     }
     assert!(stuck > 50 && passed > 50, "{stuck} {passed}");
+}
+
+/// The block rests for this time while a part of the force grows at this rate, and then moves.
+#[track_caller]
+pub fn breaks_away(run: &mut Run, time: f64, force: &str, rate: f64) {
+    let place = run.get("slide.position");
+    for k in 1..=9 {
+        run.step(0.111 * time);
+        assert_eq!([run.get("slide.position"), run.get("slide.speed")], [place, 0.0]);
+        run.near(force, rate * 0.111 * time * f64::from(k), 1e-10);
+        run.near("slide.acceleration", 0.0, 0.0);
+    }
+    run.step(0.00099 * time);
+    assert_eq!(run.get("slide.position"), place);
+    run.step(0.0005 * time);
+    assert!(run.get("slide.speed") > 0.0);
 }
 
 /// At a rigid stop the force comes to its limit, and the integral part to the value with which it stays there.
@@ -229,43 +230,54 @@ fn a_limit_that_is_reached_at_rest_counts() {
     run.near("motor.acting_force", 60.0, 0.0);
 }
 
-#[test]
-fn a_controlled_rotor_has_its_eigenvalues_and_matrices() {
-    let text = rotor(json!({ "command": 0.1 }));
-    let mut model = Component::from_definition("mechanism.json", &text.to_string()).unwrap();
+/// The servo of a rotor linearised at its start, by command, commanded speed and torque: matrices A, B, C and D, and
+/// eigenvalues that are the roots of a polynomial of the third degree.
+pub fn assert_linear(
+    definition: &Value,
+    (outputs, held_by): ([&str; 2], Option<&str>),
+    matrices: [&[[f64; 3]]; 4],
+    polynomial: [f64; 4],
+) -> Linearised {
+    let mut model = Component::from_definition("mechanism.json", &definition.to_string()).unwrap();
     let find = |name: &str| model.interface().find(name).unwrap();
     let asked = Linearisation {
         coordinate: find("wheel.angle"),
         inputs: ["command", "command_speed", "torque"].map(|name| find(&format!("servo.{name}"))).to_vec(),
-        outputs: vec![find("servo.acting_torque"), find("servo.integral_torque")],
-        held_by: None,
+        outputs: outputs.map(find).to_vec(),
+        held_by: held_by.map(find),
     };
     let at = model.linearise_here(&asked).unwrap();
+    for (found, expected) in [&at.a, &at.b, &at.c, &at.d].into_iter().zip(matrices) {
+        assert_eq!(found.len(), expected.len());
+        for (value, exact) in found.iter().flatten().zip(expected.as_flattened()) {
+            assert_near(*value, *exact, 1e-10 * (1.0 + exact.abs()), "matrix");
+        }
+    }
+    assert_eq!(at.eigenvalues.len(), 3);
+    let roots = at.eigenvalues.iter().map(|[re, im]| Complex::new(*re, *im));
+    for s in roots.clone() {
+        let residual = polynomial.into_iter().fold(Complex::<f64>::ZERO, |sum, factor| sum * s + factor);
+        assert!(residual.norm() < 1e-9 * (1.0 + s.norm().powi(3)), "{s}: {residual}");
+    }
+    // All three, each once.
+    let product = -polynomial[3] / polynomial[0];
+    assert_near(roots.product::<Complex<f64>>().re, product, 4e-11 * product.abs(), "product of the eigenvalues");
+    at
+}
+
+#[test]
+fn a_controlled_rotor_has_its_eigenvalues_and_matrices() {
     let j = INERTIA;
     let rows = [[0.0, 1.0, 0.0], [-GAIN / j, -SPEED_GAIN / j, 1.0 / j], [-INTEGRAL_GAIN, 0.0, 0.0]];
     let columns = [[0.0, GAIN / j, INTEGRAL_GAIN], [0.0, SPEED_GAIN / j, 0.0], [0.0, 1.0 / j, 0.0]];
     let outputs = [[-GAIN, -SPEED_GAIN, 1.0], [0.0, 0.0, 1.0]];
     let passed = [[GAIN, SPEED_GAIN, 1.0], [0.0, 0.0, 0.0]];
-    let check = |found: &[Vec<f64>], expected: &[[f64; 3]]| {
-        assert_eq!(found.len(), expected.len());
-        for (value, exact) in found.iter().flatten().zip(expected.as_flattened()) {
-            assert_near(*value, *exact, 1e-10 * (1.0 + exact.abs()), "matrix");
-        }
-    };
-    check(&at.a, &rows);
-    check(&at.b, &columns);
-    check(&at.c, &outputs);
-    check(&at.d, &passed);
-    assert_eq!(at.eigenvalues.len(), 3);
-    let mut product = nalgebra::Complex::new(1.0, 0.0);
-    for [re, im] in at.eigenvalues {
-        let s = nalgebra::Complex::new(re, im);
-        let residual = s * s * s * j + s * s * SPEED_GAIN + s * GAIN + INTEGRAL_GAIN;
-        assert!(residual.norm() < 1e-9 * (1.0 + s.norm().powi(3)), "{s}: {residual}");
-        product *= s;
-    }
-    // All three, each once.
-    assert_near(product.re, -INTEGRAL_GAIN / j, 1e-8, "product of the eigenvalues");
+    assert_linear(
+        &rotor(json!({ "command": 0.1 })),
+        (["servo.acting_torque", "servo.integral_torque"], None),
+        [&rows, &columns, &outputs, &passed],
+        [j, SPEED_GAIN, GAIN, INTEGRAL_GAIN],
+    );
 }
 
 /// Rates of outputs in time and derivatives by inputs, between the limits and at one.

@@ -1,7 +1,7 @@
 //! Locks that engage by the force of their stop: closed forms of the instant and of the motion after it, saved states,
 //! rejected definitions.
 use crate::support::definition::{G, With, arm, block, friction, weight};
-use crate::support::{Run, assert_near, assert_says, refusal};
+use crate::support::{Run, assert_near, assert_rejected};
 use serde_json::{Value, json};
 
 const MASS: f64 = 3.0;
@@ -27,16 +27,12 @@ fn a_latch_engages_when_it_is_pressed_harder_than_its_force() {
         for count in [1, 3, 50] {
             let mut run = Run::new(latch(json!({}))).started();
             run.listen(true, false);
-            let (h, mut lines) = (3.0 / f64::from(count), Vec::new());
-            for k in 0..count {
-                let t = h * f64::from(k);
-                run.set("pull.force_x", most * t * (t - 2.0));
-                run.set_derivative("pull.force_x", 1, most * (2.0 * t - 2.0));
-                run.set_derivative("pull.force_x", 2, 2.0 * most);
+            assert!(!run.is("latch.engaged"));
+            let mut lines = Vec::new();
+            run.follow("pull.force_x", [0.0, -2.0 * most, 2.0 * most], (count, 3.0), |run, t| {
                 assert_eq!(run.is("latch.engaged"), holds && t > 0.99, "{t}");
-                run.step(h);
                 lines.extend(run.take_occurrences(t).into_iter().map(|line| line.text));
-            }
+            });
             assert_eq!(run.is("latch.engaged"), holds);
             assert_eq!(lines.iter().filter(|line| line.contains("its lock engages")).count(), usize::from(holds));
             run.set("pull.force_x", 3.0 * most);
@@ -253,12 +249,7 @@ fn a_block_leaves_a_stop_where_the_friction_of_its_belt_vanishes() {
             "joints": { "slide": { "surface_speed": -0.5 } },
         });
         let mut run = Run::new(latch(belt)).with(&[("pull.force_x", 0.3)]).started();
-        let h = 0.45 / f64::from(count);
-        for k in 0..count {
-            run.set("pull.force_y", lift * h * f64::from(k));
-            run.set_derivative("pull.force_y", 1, lift);
-            run.step(h);
-        }
+        run.follow("pull.force_y", [0.0, lift, 0.0], (count, 0.45), |_, _| {});
         run.get("slide.position")
     };
     let many = after(450);
@@ -278,12 +269,7 @@ fn a_belt_that_slows_down_overcomes_a_drive_with_losses() {
             "actuators": { "ram": { "joint": "slide", "force": -7, "efficiency": 0.8 } },
         });
         let mut run = Run::new(block(MASS).with(belt).with(json!({ "solver": { "tolerance": 1e-12 } }))).started();
-        let h = 1.0 / f64::from(count);
-        for k in 0..count {
-            run.set("slide.surface_speed", 1.5 - 1.4 * h * f64::from(k));
-            run.set_derivative("slide.surface_speed", 1, -1.4);
-            run.step(h);
-        }
+        run.follow("slide.surface_speed", [1.5, -1.4, 0.0], (count, 1.0), |_, _| {});
         run.get("slide.position")
     };
     let many = after(500);
@@ -316,15 +302,5 @@ fn a_latch_at_an_angle_engages_at_a_torque() {
 
 #[test]
 fn a_latch_with_a_release_force_or_another_lock_is_rejected() {
-    let detent = latch(json!({ "locks": { "latch": { "release_force": 5 } } }));
-    assert_says(refusal(detent), &["locks.latch.engage_force", "remove engage_force or release_force"]);
-    let two = latch(json!({ "locks": { "other": { "stop": "end", "at": "block.origin" } } }));
-    assert_says(refusal(two), &["locks.latch.engage_force", "the lock other"]);
-    let at_same_place = latch(json!({
-        "stops": { "wall": { "joint": "slide", "limit": "lower", "position": 0 } },
-        "locks": { "other": { "stop": "wall", "at": "block.origin" } },
-    }));
-    assert_says(refusal(at_same_place), &["locks.latch.engage_force", "the lock other"]);
-    let none = latch(json!({ "locks": { "latch": { "engage_force": 0 } } }));
-    assert_says(refusal(none), &["locks.latch.engage_force", "> 0"]);
+    assert_rejected("latches", latch(json!({})));
 }

@@ -89,9 +89,7 @@ fn self_locking_gears_hold_a_load_that_neither_side_overcomes() {
         let mut run = Run::new(shafts(3.0, load)).started();
         assert_eq!(run.0.boolean("friction.sticking").unwrap(), moves == 0.0, "{part}");
         let start = run.get("one.angle");
-        for _ in 0..20 {
-            run.step(0.05);
-        }
+        run.steps(20, 1.0);
         let speed = run.get("one.speed");
         if moves == 0.0 {
             assert_eq!((run.get("one.angle"), speed), (start, 0.0), "held to the bit");
@@ -163,9 +161,7 @@ fn a_train_has_the_product_of_its_efficiencies() {
         // The table: mass x acceleration = push + rack force with its loss.
         let on_table = run.get("rack.transmitted_force") + run.get("rack.loss_force") + push;
         assert_near(on_table, 40.0 * i3 * a, 1e-11 * (1.0 + on_table.abs()), "table");
-        for _ in 0..10 {
-            run.step(0.02);
-        }
+        run.steps(10, 0.2);
         assert_near(run.get("one.speed"), 0.2 * a, 1e-8 * (1.0 + a.abs()), "speed");
         assert!(run.get("energy.drift").abs() < 1e-9 * run.get("energy.kinetic").max(1.0));
     }

@@ -176,40 +176,20 @@ fn variables_that_need_masses_do_not_exist_and_the_error_states_why() {
         list.map(|v| v.name.as_str()).collect::<Vec<_>>()
     };
     assert_eq!(of(Causality::Input), Vec::<&str>::new());
-    let allowed = [
-        "angle",
-        "speed",
-        "acceleration",
-        "there",
-        "x",
-        "y",
-        "velocity_x",
-        "velocity_y",
-        "acceleration_x",
-        "acceleration_y",
-    ];
-    let others: Vec<&str> =
-        of(Causality::Output).into_iter().filter(|name| !allowed.contains(&name.rsplit('.').next().unwrap())).collect();
+    let allowed = "angle speed acceleration there x y velocity_x velocity_y acceleration_x acceleration_y";
+    let others: Vec<&str> = of(Causality::Output)
+        .into_iter()
+        .filter(|name| !allowed.split(' ').any(|own| name.rsplit('.').next() == Some(own)))
+        .collect();
     assert_eq!(others, Vec::<&str>::new());
     let parameters = of(Causality::Parameter);
     for absent in ["mass", "inertia", "pin_radius", "friction", "gravity", "efficiency", "density", "method"] {
         assert!(!parameters.iter().any(|name| name.contains(absent)), "{absent}: {parameters:?}");
     }
     let warnings = run.warnings().join("\n");
-    let idle = [
-        "gravity",
-        "forces.push",
-        "torques.turn",
-        "friction",
-        "linearisation",
-        "actuators.motor.torque",
-        "actuators.motor.efficiency",
-        "air",
-        "surfaces.sail",
-        "locks.hook",
-        "solver.method",
-    ];
-    for key in idle {
+    let idle = "gravity forces.push torques.turn friction linearisation actuators.motor.torque \
+        actuators.motor.efficiency air surfaces.sail locks.hook solver.method";
+    for key in idle.split(' ') {
         assert!(
             warnings.contains(&format!("{key}: this key has no effect, because no body has a mass")),
             "{key}\n{warnings}"

@@ -2,11 +2,12 @@
 //! with every body carried by other bodies (`fixed_to`).
 
 use crate::losses::TRAIN;
+use crate::support::examples::{Example, examples};
 use crate::support::{Run, assert_says, changed};
+use crate::tables::committed;
 use linkage_fmu::variables::{Causality, Kind};
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use std::path::Path;
 
 /// Largest difference at the start and after the steps, relative to the largest output with the same unit. Tables have
 /// an error of 1e-13 of a component, reactions near a singular position a larger one.
@@ -242,56 +243,13 @@ fn check(name: &str, definition: &Value, transform: fn(Value) -> (Value, Differs
     assert_same(&format!("{name} after steps"), runs.each_mut(), joints, &differs, AFTER_STEPS);
 }
 
-/// Add a part of a file to a complete file, as the reference describes for its examples.
-fn add_part(whole: &mut Value, part: &Map<String, Value>) {
-    for (key, value) in part {
-        match (whole.get_mut(key), value) {
-            (Some(Value::Object(group)), Value::Object(entries))
-                if !["start", "gravity", "friction"].contains(&&**key) =>
-            {
-                group.extend(entries.clone());
-            }
-            _ => whole[key] = value.clone(),
-        }
-    }
-}
-
 /// The mechanisms of the repository and of the reference, and additional ones with other elements.
 fn scenes() -> Vec<(String, Value)> {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
-    let mut all = Vec::new();
-    let mut folders: Vec<_> = std::fs::read_dir(&root).unwrap().map(|entry| entry.unwrap().path()).collect();
-    folders.sort();
-    for folder in folders {
-        if let Ok(text) = std::fs::read_to_string(folder.join("resources/mechanism.json")) {
-            all.push((
-                folder.file_name().unwrap().to_string_lossy().into_owned(),
-                serde_json::from_str(&text).unwrap(),
-            ));
-        }
-    }
-    let pages = root.join("../docs/reference/mechanism");
-    let mut paths: Vec<_> = std::fs::read_dir(&pages).unwrap().map(|entry| entry.unwrap().path()).collect();
-    paths.sort();
-    for path in paths {
-        let text = std::fs::read_to_string(&path).unwrap();
-        let read = |text: &str| -> Value { serde_json::from_str(text).unwrap() };
-        let base = text.split_once("](../files/").and_then(|(_, rest)| rest.split_once(')'));
-        let mut above = base.map_or(Value::Null, |(name, _)| {
-            read(&std::fs::read_to_string(pages.join("../files").join(name)).unwrap())
-        });
-        for (index, block) in text.split("```json\n").skip(1).enumerate() {
-            let example = read(block.split_once("```").unwrap().0);
-            let mut whole = above.clone();
-            if example.get("name").is_some() {
-                above = example.clone();
-                whole = example;
-            } else {
-                add_part(&mut whole, example.as_object().unwrap());
-            }
-            let page = path.file_name().unwrap().to_string_lossy();
-            all.push((format!("example {index} of {page}: {}", whole["name"]), whole));
-        }
+    let read = |text: String| serde_json::from_str::<Value>(&text).unwrap();
+    let committed = committed().into_iter().map(read);
+    let mut all: Vec<_> = committed.map(|own| (own["name"].as_str().unwrap().to_owned(), own)).collect();
+    for Example { page, index, whole, .. } in examples() {
+        all.push((format!("example {index} of {page}: {}", whole["name"]), whole));
     }
     // A four-bar linkage with a spring, a damper, a drive, a bumper and a stop in hinges between moving bodies.
     let hinges = include_str!("../fixtures/hinges.json").to_owned();
@@ -307,7 +265,7 @@ fn scenes() -> Vec<(String, Value)> {
         ("train with losses, driven by -30 N", driven(-30.0)),
         ("hinges between bodies", hinges),
     ] {
-        all.push((name.into(), serde_json::from_str(&text).unwrap()));
+        all.push((name.into(), read(text)));
     }
     all
 }

@@ -1,7 +1,7 @@
 //! Screw drives against closed forms: a carriage, and a jib that a spindle between two points lifts.
 
-use crate::support::definition::{With, arm, block, friction, weight};
-use crate::support::{Run, Vec2, assert_near, assert_says, changed, refusal, turned};
+use crate::support::definition::{With, arm, block, weight};
+use crate::support::{Run, Vec2, assert_near, assert_rejected, assert_says, changed, refusal, turned};
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -22,9 +22,7 @@ fn a_screw_moves_a_carriage_with_its_reflected_inertia() {
         let ratio = TAU / 0.005;
         let (mass, weight) = (30.0 + 2e-4 * ratio * ratio, 30.0 * 9.81 * 0.4_f64.sin());
         let acceleration = (efficiency * ratio * 0.4 - weight) / mass;
-        for _ in 0..10 {
-            run.step(0.05);
-        }
+        run.steps(10, 0.5);
         assert!(acceleration > 0.0);
         assert_near(run.get("slide.acceleration"), acceleration, 1e-13 * ratio * 0.4 / mass, "acceleration");
         let travel = 0.125 * acceleration;
@@ -115,35 +113,12 @@ fn without_inertia_a_screw_is_a_force() {
 
 #[test]
 fn wrong_screws_are_rejected() {
-    let refused = |change: fn(&mut Value), pieces: &[&str]| {
-        let text = changed(carriage(), change);
-        assert_says(refusal(text), pieces);
-    };
-    refused(|m| m["actuators"]["motor"]["screw"]["lead"] = json!(0), &["actuators.motor.screw.lead", "> 0"]);
-    refused(|m| m["actuators"]["motor"]["screw"]["inertia"] = json!(-1), &["actuators.motor.screw.inertia", ">= 0"]);
+    assert_rejected("screws", carriage());
     let other_formulation = changed(jib(json!({ "lead": 0.01 })), |m| {
         m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
         m["bodies"]["arm"]["axial_stiffness"] = json!(1e9);
     });
     assert_says(refusal(other_formulation), &["screw", "solver.method = \"reduced\""]);
-    let locking = |m: &mut Value| m["actuators"]["motor"]["backward_efficiency"] = json!(0);
-    let of_screw = ["actuators.motor.backward_efficiency", "inertia", "above 0"];
-    refused(|m| m["actuators"]["motor"] = json!({ "joint": "slide", "backward_efficiency": 0 }), &of_screw);
-    assert_says(
-        refusal(changed(carriage().with(json!({ "actuators": { "motor": { "screw": { "inertia": 0 } } } })), locking)),
-        &of_screw,
-    );
-    let viscous = carriage().with(json!({ "friction": friction([0.1; 2], [0.01, 0.1]) }));
-    assert_says(refusal(changed(viscous, locking)), &["actuators.motor.backward_efficiency", "stick"]);
-    refused(|m| m["actuators"]["motor"]["force"] = json!(5), &["actuators.motor", "give torque", "screw"]);
-    refused(
-        |m| {
-            m["bodies"]["wheel"] = json!({ "mass": 1, "inertia": 1 });
-            m["joints"]["pin"] = json!({ "type": "revolute", "first": "block.origin", "second": "wheel.origin" });
-            m["actuators"]["motor"]["joint"] = json!("pin");
-        },
-        &["actuators.motor.screw", "along a line"],
-    );
 }
 
 /// The carriage on a screw of efficiency 0.35 that locks itself, with this torque and speed of the carriage.

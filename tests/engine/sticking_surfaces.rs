@@ -1,6 +1,6 @@
 //! Coulomb friction on driven surfaces, which hold their body: closed forms, balances, rejected definitions.
 use crate::support::definition::{G, With, block, friction, rod, slider_crank, weight, wheel};
-use crate::support::{Run, assert_near, assert_says, refusal};
+use crate::support::{Run, assert_near, assert_rejected};
 use serde_json::{Value, json};
 
 pub const MASS: f64 = 2.0;
@@ -66,17 +66,13 @@ fn a_parcel_takes_the_speed_of_its_belt() {
 #[test]
 fn an_accelerating_belt_takes_its_parcel_along_up_to_the_static_limit() {
     for steps in [1, 40] {
-        let h = 0.5 / f64::from(steps);
         for (part, own) in [(0.999, 0.999 * MU_S), (-0.999, -0.999 * MU_S), (1.001, MU_D), (-1.001, -MU_D)] {
             let belt = part * MU_S * G;
             let mut run = Run::new(parcel(0.0)).started();
-            for k in 0..steps {
-                run.set("slide.surface_speed", belt * f64::from(k) * h);
-                run.set_derivative("slide.surface_speed", 1, belt);
-                run.step(h);
+            run.follow("slide.surface_speed", [0.0, belt, 0.0], (steps, 0.5), |run, _| {
                 run.near("slide.acceleration", own * G, 1e-11);
                 run.near("slide.friction_force", own * MASS * G, 1e-11);
-            }
+            });
             assert_eq!(run.is("friction.sticking"), part.abs() < 1.0);
             run.near("slide.speed", 0.5 * own * G, 1e-12);
             run.near("slide.position", 0.125 * own * G, 1e-12);
@@ -85,17 +81,11 @@ fn an_accelerating_belt_takes_its_parcel_along_up_to_the_static_limit() {
         let jerk = 10.0;
         let mut run = Run::new(parcel(0.0)).started();
         let first = MU_S * G / jerk;
-        for k in 0..steps {
-            let t = f64::from(k) * h;
-            run.set("slide.surface_speed", 0.5 * jerk * t * t);
-            run.set_derivative("slide.surface_speed", 1, jerk * t);
-            run.set_derivative("slide.surface_speed", 2, jerk);
-            run.step(h);
-            let t = f64::from(k + 1) * h;
+        run.follow("slide.surface_speed", [0.0, 0.0, jerk], (steps, 0.5), |run, t| {
             let after = f64::max(t - first, 0.0);
             let speed = 0.5 * jerk * (t - after).powi(2) + MU_D * G * after;
             run.near("slide.speed", speed, 1e-11);
-        }
+        });
     }
 }
 
@@ -105,13 +95,9 @@ fn an_accelerating_belt_takes_its_parcel_along_up_to_the_static_limit() {
 fn a_belt_that_turns_back_carries_its_parcel() {
     for steps in [1, 3, 64] {
         let mut run = Run::new(parcel(0.6).with(json!({ "start": { "speed": 0.6 } }))).started();
-        let h = 0.5 / f64::from(steps);
-        for k in 0..steps {
-            run.set("slide.surface_speed", 0.6 - 3.0 * f64::from(k) * h);
-            run.set_derivative("slide.surface_speed", 1, -3.0);
-            run.step(h);
+        run.follow("slide.surface_speed", [0.6, -3.0, 0.0], (steps, 0.5), |run, _| {
             assert!(run.is("friction.sticking"));
-        }
+        });
         run.near("slide.position", 0.6 * 0.5 - 1.5 * 0.25, 1e-14);
         run.near("slide.speed", -0.9, 1e-14);
         run.near("slide.friction_force", -3.0 * MASS, 1e-13);
@@ -129,55 +115,40 @@ fn other_friction_acts_while_a_parcel_moves_with_its_belt() {
         Run::new(parcel(speed).with(keys)).started()
     };
     for steps in [1, 20] {
-        let h = 0.5 / f64::from(steps);
         // From rest: m a + f within the limit, and beyond.
         let loss = 0.3 * MU_S * normal;
         for (belt, own) in [(0.6 * MU_S * G, 0.6 * MU_S * G), (0.8 * MU_S * G, MU_D * G - loss / MASS)] {
             let mut run = with(loss, 0.0);
-            for k in 0..steps {
-                run.set("slide.surface_speed", belt * f64::from(k) * h);
-                run.set_derivative("slide.surface_speed", 1, belt);
-                run.step(h);
+            run.follow("slide.surface_speed", [0.0, belt, 0.0], (steps, 0.5), |run, _| {
                 run.near("slide.acceleration", own, 1e-12);
                 assert_eq!(run.is("friction.sticking"), own == belt);
-            }
+            });
             run.near("slide.position", 0.125 * own, 1e-12);
             run.near("energy.drift", 0.0, 1e-11);
         }
         // More friction than the belt gives: rest, with kinetic friction of the belt.
         let mut run = with(1.2 * MU_S * normal, 0.0);
         let place = run.get("slide.position");
-        for k in 0..steps {
-            run.set("slide.surface_speed", f64::from(k) * h);
-            run.set_derivative("slide.surface_speed", 1, 1.0);
-            run.step(h);
+        run.follow("slide.surface_speed", [0.0, 1.0, 0.0], (steps, 0.5), |run, _| {
             assert_eq!(run.get("slide.position").to_bits(), place.to_bits());
             assert!(run.is("friction.sticking"));
-        }
+        });
         // Through 0 at any time, with f + m a below the limit and above kinetic friction.
         for part in [0.1, 0.137, 0.41, 0.775] {
             let (belt, loss) = (0.65 * MU_S * G, 0.3 * MU_S * normal);
             let mut run = with(loss, -part * 0.5 * belt);
-            for k in 0..steps {
-                run.set("slide.surface_speed", belt * (f64::from(k) * h - part * 0.5));
-                run.set_derivative("slide.surface_speed", 1, belt);
-                run.step(h);
-            }
+            run.follow("slide.surface_speed", [-part * 0.5 * belt, belt, 0.0], (steps, 0.5), |_, _| {});
             assert!(run.is("friction.sticking"));
             run.near("slide.speed", belt * 0.5 * (1.0 - part), 1e-12);
         }
         // Through 0 with a deceleration at which f + m a exceeds the limit, and f - m a does not.
         let (belt, loss) = (-0.8 * MU_S * G, 0.3 * MU_S * normal);
         let mut run = with(loss, 0.25 * belt.abs());
-        for k in 0..steps {
-            run.set("slide.surface_speed", -belt * (0.25 - f64::from(k) * h));
-            run.set_derivative("slide.surface_speed", 1, belt);
-            run.step(h);
-            let t = f64::from(k + 1) * h;
+        run.follow("slide.surface_speed", [-0.25 * belt, belt, 0.0], (steps, 0.5), |run, t| {
             if (t - 0.25).abs() > 1e-9 {
                 assert_eq!(run.is("friction.sticking"), t < 0.25, "{t}");
             }
-        }
+        });
         run.near("slide.speed", -0.25 * (MU_D * G - loss / MASS), 1e-11);
         run.near("energy.drift", 0.0, 1e-11);
     }
@@ -368,17 +339,5 @@ fn a_slider_with_a_crank_sticks_to_its_belt() {
 
 #[test]
 fn what_cannot_be_computed_while_a_surface_holds_its_body_is_rejected() {
-    let two = parcel(0.5).with(json!({
-        "bodies": { "top": { "mass": 1 } },
-        "joints": {
-            "upper": { "type": "prismatic", "first": "block.origin", "second": "top.origin", "surface_speed": 1 }
-        },
-    }));
-    assert_says(refusal(two), &["joints.upper.surface_speed", "joints.slide.surface_speed", "\"viscous\""]);
-    let motion = json!({ "actuators": { "pusher": { "joint": "slide", "motion": { "position": 0 } } } });
-    assert_says(refusal(parcel(0.5).with(motion)), &["joints.slide.surface_speed", "pusher.motion", "\"viscous\""]);
-    let integral = json!({ "actuators": { "pusher": {
-        "joint": "slide", "control": { "position_gain": 1, "integral_gain": 1 }
-    } } });
-    assert_says(refusal(parcel(0.5).with(integral)), &["joints.slide.surface_speed", "`control`", "\"viscous\""]);
+    assert_rejected("surfaces that hold their body", parcel(0.5));
 }

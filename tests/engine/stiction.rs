@@ -209,12 +209,7 @@ fn the_gear_sticks_between_its_breakaway_forces() {
     for steps in [1, 3, 100] {
         for (late, sticks) in [(-1e-9, true), (1e-7, false)] {
             let mut gear = start.clone().with(&[("actuator.force", middle)]).started();
-            let h = (1.0 + late) / f64::from(steps);
-            for k in 0..steps {
-                gear.set("actuator.force", middle + rate * f64::from(k) * h);
-                gear.set_derivative("actuator.force", 1, rate);
-                gear.step(h);
-            }
+            gear.follow("actuator.force", [middle, rate, 0.0], (steps, 1.0 + late), |_, _| {});
             assert_eq!(gear.get("crank.speed") == 0.0, sticks, "{steps} steps, {late}");
         }
     }

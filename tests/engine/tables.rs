@@ -13,7 +13,7 @@ use std::sync::Arc;
 const FILE: &str = "mechanism.json";
 
 /// Texts of the committed mechanisms.
-fn committed() -> Vec<String> {
+pub fn committed() -> Vec<String> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("modelDescription");
     let folders = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path().join("resources").join(FILE));
     folders.filter_map(|file| fs::read_to_string(file).ok()).collect()

@@ -122,8 +122,7 @@ fn a_block_slides_a_kilometre_and_more() {
         run.step(0.5);
         let t = 0.5 * f64::from(k);
         let (s, v) = (t + 0.5 * a * t * t, 1.0 + a * t);
-        let position = run.get("slide.position");
-        assert!((position - s).abs() < 1e-12 * s, "{t}: {position} {s}");
+        run.near("slide.position", s, 1e-12 * s);
         assert!((run.get("slide.speed") - v).abs() < 1e-12 * v);
         assert!((run.get("slide.friction_force") + 0.2 * 2.0 * G * cos).abs() < 1e-11);
         assert!((run.get("nose.x") - (0.4 + s * cos)).abs() < 1e-12 * s);
@@ -223,9 +222,7 @@ fn a_crank_turns_away_from_its_one_stop_for_many_turns() {
         assert!(free.get("crank.angle").abs() > 1000.0, "{}", free.get("crank.angle"));
         // Back over all turns: the crank stops at the stop.
         stopped.set("drive.torque", -3000.0 * side);
-        for _ in 0..100 {
-            stopped.step(0.1);
-        }
+        stopped.steps(100, 10.0);
         assert!((stopped.get("crank.angle") - value).abs() < 1e-9, "{}", stopped.get("crank.angle"));
         assert!(stopped.is("end.reached"));
     }

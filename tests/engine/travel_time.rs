@@ -1,7 +1,9 @@
 //! The time of travel by the energy integral, against closed forms and the steps of the integration.
 use crate::support::GEAR;
+use crate::support::definition::{With, arm, weight};
 use linkage_fmu::simulation::{Simulation, SimulationError};
 use serde_json::json;
+use std::f64::consts::FRAC_PI_2;
 
 /// A model at its start.
 fn started(text: &str) -> Simulation {
@@ -15,13 +17,10 @@ fn started(text: &str) -> Simulation {
 #[test]
 fn a_rod_falls_in_a_quarter_of_its_period() {
     const K: f64 = 1.854_074_677_301_371_9;
-    let rod = json!({
-        "name": "Rod", "gravity": { "acceleration": 9.81, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": { "ground": {}, "rod": { "length": 0.6, "mass": 2, "shape": "uniform_rod" } },
-        "joints": { "pivot": { "type": "revolute", "first": "ground.origin", "second": "rod.origin" } },
-        "stops": { "low": { "body": "rod", "limit": "lower", "angle": -std::f64::consts::FRAC_PI_2, "flag": "down" } },
-        "start": { "body": "rod", "angle": 0 }, "guess": { "rod": 0 },
-    });
+    let rod = arm(0.6, 2.0, 0.0).with(json!({
+        "gravity": weight(),
+        "stops": { "low": { "body": "arm", "limit": "lower", "angle": -FRAC_PI_2, "flag": "down" } },
+    }));
     let of = started(&rod.to_string()).travel_time("down", &["load_factor"], &[1.0]).unwrap().unwrap();
     // With gravity upwards or without gravity the rod does not fall.
     let factors = [1.0, 4.0, 0.01, -1.0, 0.0, f64::NAN, 1e300, f64::INFINITY];

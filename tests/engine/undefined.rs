@@ -2,6 +2,7 @@
 //! continues. Self-locking of an excavator bucket against statics with friction circles.
 
 use crate::random_linkages::generate::linkages;
+use crate::support::definition::{With, four_bar};
 use crate::support::{BUCKET, GEAR, Run, Vec2, assert_says, changed, read_all, reals, runner, without_stops};
 use linkage_fmu::simulation::Simulation;
 use linkage_fmu::variables::Causality;
@@ -235,25 +236,12 @@ fn under_loads_that_lock_only_what_needs_the_acceleration_is_undefined() {
 /// finite or NaN with a reason. Motion and energies have values. Each rate is finite or NaN with a reason.
 #[test]
 fn at_a_crossing_every_output_has_a_value_or_a_reason() {
-    let definition = json!({
-        "name": "Parallelogram",
-        "bodies": {
-            "ground": { "length": 0.4 },
-            "left": { "length": 0.1, "mass": 1, "shape": "uniform_rod" },
-            "coupler": { "length": 0.4, "mass": 2, "shape": "uniform_rod" },
-            "right": { "length": 0.1, "mass": 1, "shape": "uniform_rod" }
-        },
-        "joints": {
-            "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
-            "b": { "type": "revolute", "first": "left.end", "second": "coupler.origin" },
-            "c": { "type": "revolute", "first": "coupler.end", "second": "right.end" },
-            "d": { "type": "revolute", "first": "ground.end", "second": "right.origin" }
-        },
+    let definition = four_bar([0.4, 0.1, 0.4, 0.1], [0.5, 0.0, 0.5]).with(json!({
+        "bodies": { "crank": { "mass": 1 }, "coupler": { "mass": 2 }, "rocker": { "mass": 1 } },
         "actuators": { "servo": { "joint": "a", "torque": 1.0 } },
         "forces": { "push": { "at": "coupler.end", "force": [3.0, -2.0] } },
-        "start": { "body": "left", "angle": 0, "speed": 5 },
-        "guess": { "left": 0.5, "coupler": 0, "right": 0.5 }
-    });
+        "start": { "angle": 0, "speed": 5 },
+    }));
     let mut run = Run::new(definition.to_string()).started();
     let outputs = reals(&run, Causality::Output);
     for k in 0..40 {
@@ -267,9 +255,9 @@ fn at_a_crossing_every_output_has_a_value_or_a_reason() {
             assert!(rate.is_finite() || rate.is_nan() && run.undefined_derivative(output).is_some(), "{output} {rate}");
         }
         // To the next flat position, half a turn away, and past it.
-        let angle = run.get("left.angle");
+        let angle = run.get("crank.angle");
         let h = if k % 4 == 3 {
-            (std::f64::consts::PI - angle.rem_euclid(std::f64::consts::PI)) / run.get("left.speed")
+            (std::f64::consts::PI - angle.rem_euclid(std::f64::consts::PI)) / run.get("crank.speed")
         } else {
             0.02
         };

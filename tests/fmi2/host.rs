@@ -2,15 +2,18 @@
 //! folders.
 #![allow(unsafe_code, dead_code, clippy::unwrap_used)]
 
+#[path = "../support/folder.rs"]
+mod folder;
+
+pub use folder::Folder;
 use linkage_fmu::fmi2::host::{Description, Host, Log, State, callbacks, logger};
 use linkage_fmu::fmi2::types::{LoggerCallback, Status};
 use linkage_fmu::fmi2::{fmi2FreeInstance, fmi2Instantiate};
 use linkage_fmu::variables::Interface;
 use std::ffi::{CString, c_char, c_int};
 use std::ops::Deref;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::ptr::null;
-use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Arc, OnceLock};
 
 pub const FOLDER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/modelDescription/LandingGearRetraction");
@@ -137,34 +140,15 @@ impl Arguments {
     }
 }
 
-/// A folder that is removed when this value is dropped.
-pub struct Folder(pub PathBuf);
-
 impl Folder {
-    pub fn new(name: &str) -> Self {
-        static COUNT: AtomicU32 = AtomicU32::new(0);
-        let (process, count) = (std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed));
-        let path = std::env::temp_dir().join(format!("linkage-fmu {process} {count} {name}"));
-        std::fs::create_dir_all(&path).unwrap();
-        Folder(path)
-    }
-
     /// The folder as an unpacked FMU with this definition in its resources.
     pub fn described(&self, definition: &str) -> Arc<Description> {
-        let resources = self.0.join("resources");
-        std::fs::create_dir_all(&resources).unwrap();
-        std::fs::write(resources.join("mechanism.json"), definition).unwrap();
+        self.write("resources/mechanism.json", definition);
         Description::read(&self.0).unwrap()
     }
 
     /// Path in the form in which a host passes it.
     pub fn location(&self) -> &str {
         self.0.to_str().unwrap()
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = std::fs::remove_dir_all(&self.0);
     }
 }

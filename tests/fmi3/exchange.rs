@@ -30,6 +30,25 @@ fn started(definition: &str) -> Fmu {
     fmu
 }
 
+/// An instance in continuous-time mode, and a simulation of the same definition.
+fn both(definition: &str) -> (Fmu, Simulation) {
+    let mut run = Simulation::open(definition).unwrap();
+    run.initialize().unwrap();
+    (started(definition), run)
+}
+
+/// Variables have the values of the simulation, with this absolute and relative tolerance. Returns the values.
+#[track_caller]
+fn assert_same<const N: usize>(fmu: &Fmu, run: &mut Simulation, names: [&str; N], allowed: f64) -> [f64; N] {
+    let values = fmu.get(names);
+    for (name, value) in names.into_iter().zip(values) {
+        let exact = run.get(name).unwrap();
+        let time = run.time();
+        assert!((value - exact).abs() < allowed * (1.0 + exact.abs()), "{time} s: {name} {value} {exact}");
+    }
+    values
+}
+
 fn gear() -> Fmu {
     started(&fmi2::mechanism())
 }
@@ -195,9 +214,7 @@ fn derivatives_of_derivatives_are_slopes() {
 #[test]
 fn curves_are_exchanged() {
     let names = ["guide.position", "coil.torque", "buffer.force"];
-    let fmu = started(CURVES);
-    let mut run = Simulation::open(CURVES).unwrap();
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(CURVES);
     let (mut pushed, mut turned) = (false, false);
     for k in 1..=12 {
         integrate(&fmu, 0.05, 5e-5);
@@ -216,10 +233,8 @@ fn curves_are_exchanged() {
 /// co-simulation, and the derivatives are exact.
 #[test]
 fn limits_of_a_controller_are_events() {
-    let fmu = started(LIMITED);
+    let (fmu, mut run) = both(LIMITED);
     let names = fmu.vrs(["servo.max_force_indicator", "servo.min_force_indicator", "crank.angle", "crank.speed"]);
-    let mut run = Simulation::open(LIMITED).unwrap();
-    run.initialize().unwrap();
     let (mut crossings, mut events) = (0, 0);
     for k in 1..=40 {
         let before = fmu.read(&names);
@@ -242,10 +257,8 @@ fn limits_of_a_controller_are_events() {
 /// sign: the dead centres of the crank.
 #[test]
 fn borders_of_segments_and_changes_of_loss_are_events() {
-    let fmu = started(BORDERS);
+    let (fmu, mut run) = both(BORDERS);
     let names = fmu.vrs(["disc.angle", "cylinder.loss_indicator"]);
-    let mut run = Simulation::open(BORDERS).unwrap();
-    run.initialize().unwrap();
     let mut met = Vec::new();
     for k in 1..=60 {
         let before = fmu.read(&names);

@@ -1,6 +1,9 @@
 //! Tests through the C interface of FMI 3.0.2, partly against the same calls of FMI 2.0.
 #![allow(unsafe_code, clippy::unwrap_used)]
 
+#[allow(dead_code)]
+#[path = "../support/definition.rs"]
+mod definition;
 mod events;
 mod exchange;
 #[path = "../fmi2/host.rs"]

@@ -2,6 +2,7 @@
 //! the force has values on both sides of a jump. Also motion by inputs, switching the drive off and on, saved states,
 //! rejected calls.
 use crate::Fmu;
+use crate::definition::{With, rod, slider_crank};
 use crate::exchange::{rates, states};
 use crate::fmi2::Folder;
 use linkage_fmu::fmi2::types::Status as Status2;
@@ -235,21 +236,7 @@ fn a_saved_state_continues_bit_identically_and_both_versions_agree() {
 
 /// A slider-crank with a driven crank.
 fn crank(motion: &Value) -> String {
-    json!({
-        "name": "Crank",
-        "bodies": {
-            "ground": {}, "crank": { "length": 0.1, "mass": 1.5, "shape": "uniform_rod" },
-            "rod": { "length": 0.35 }, "piston": { "mass": 3 }
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "big": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "small": { "type": "revolute", "first": "rod.end", "second": "piston.origin" },
-            "guide": { "type": "prismatic", "first": "ground.origin", "second": "piston.origin", "axis_angle": 0 }
-        },
-        "actuators": { "motor": { "joint": "bearing", "motion": motion } },
-        "start": { "body": "crank", "angle": 0.3 },
-        "guess": { "crank": 0.3, "rod": -0.08, "guide": 0.44 }
-    })
-    .to_string()
+    slider_crank([rod(0.1, 1.5), json!({ "length": 0.35 }), json!({ "mass": 3 })], 0.3)
+        .with(json!({ "actuators": { "motor": { "joint": "bearing", "motion": motion } } }))
+        .to_string()
 }

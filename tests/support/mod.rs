@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 pub mod definition;
+pub mod examples;
 pub mod numeric;
 pub mod oracle;
 
@@ -367,6 +368,27 @@ impl Run {
     #[track_caller]
     pub fn steps(&mut self, count: u32, span: f64) {
         (0..count).for_each(|_| self.step(span / f64::from(count)));
+    }
+
+    /// Equal steps over a time span, in which an input is `value + rate t + second t^2 / 2`. `check` gets the time
+    /// after each step.
+    #[track_caller]
+    pub fn follow(
+        &mut self,
+        input: &str,
+        [value, rate, second]: [f64; 3],
+        (count, span): (u32, f64),
+        mut check: impl FnMut(&mut Self, f64),
+    ) {
+        let h = span / f64::from(count);
+        for k in 0..count {
+            let t = h * f64::from(k);
+            self.set(input, value + t * (rate + 0.5 * t * second));
+            self.set_derivative(input, 1, rate + t * second);
+            self.set_derivative(input, 2, second);
+            self.step(h);
+            check(self, t + h);
+        }
     }
 
     /// The error message of the initialisation.

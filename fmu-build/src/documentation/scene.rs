@@ -8,7 +8,7 @@
 //! T over its length.
 
 use super::Picture;
-use crate::drawing::{Ink, hull};
+use crate::drawing::{Ink, hull, position};
 use crate::xml::common::{Xml, document, group, number};
 use anyhow::Result;
 use linkage_fmu::component::Component;
@@ -244,12 +244,7 @@ impl Draft<'_> {
 /// Position of the second point of a prismatic joint along the axis through the first point, and to the left of the
 /// axis [m].
 fn slide(joint: &DrawnJoint, axis: [f64; 2], poses: &[Pose]) -> [f64; 2] {
-    let position = |On { frame, at: [u, v] }: On| {
-        let [angle, x, y] = poses[frame];
-        let (sin, cos) = angle.sin_cos();
-        [x + cos * u - sin * v, y + sin * u + cos * v]
-    };
-    let (a, b) = (position(joint.first), position(joint.second));
+    let (a, b) = (position(poses, joint.first), position(poses, joint.second));
     let (sin, cos) = poses[joint.first.frame][0].sin_cos();
     let [x, y] = [cos * axis[0] - sin * axis[1], sin * axis[0] + cos * axis[1]];
     let [dx, dy] = [b[0] - a[0], b[1] - a[1]];

@@ -2,7 +2,7 @@
 
 use super::Point;
 
-/// Corners of the convex hull, in order. Points with a distance below `least` count as one point.
+/// Corners of the convex hull, in order (Andrew 1979). Points with a distance below `least` count as one point.
 pub fn hull(mut points: Vec<Point>, least: f64) -> Vec<Point> {
     points.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
     points.dedup_by(|a, b| (a[0] - b[0]).hypot(a[1] - b[1]) < least);
@@ -63,6 +63,7 @@ mod tests {
         assert_eq!(corners.len(), 4, "{corners:?}");
         assert!(!corners.contains(&[1.0, 1.0]) && !corners.contains(&[1.0, 0.0]));
         assert_eq!(hull(vec![[0.0, 0.0], [1.0, 1.0], [0.5, 0.5]], 1e-6).len(), 2);
+        assert_eq!(hull(vec![[1.0, 1.0]; 3], 1e-6), [[1.0, 1.0]]);
     }
 
     #[test]

@@ -120,7 +120,7 @@ fn within(
 }
 
 /// Position of a point in the mechanism frame [m].
-fn position(poses: &[Pose], on: On) -> [f64; 2] {
+pub fn position(poses: &[Pose], on: On) -> [f64; 2] {
     let [angle, x, y] = poses[on.frame];
     let ((sin, cos), [u, v]) = (angle.sin_cos(), on.at);
     [x + cos * u - sin * v, y + sin * u + cos * v]

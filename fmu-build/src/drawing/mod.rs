@@ -13,7 +13,7 @@ mod svg;
 
 pub use cylinder::{Cylinder, cylinder};
 pub use geometry::hull;
-pub use mechanism::{designs, mechanism, sides};
+pub use mechanism::{designs, mechanism, position, sides};
 pub use paint::to_png;
 pub use svg::{BODIES, Colours, to_svg};
 

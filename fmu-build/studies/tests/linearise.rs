@@ -1,10 +1,14 @@
 //! `cargo fmu linearise`: the table contains the numbers of the engine, and the picture is drawn.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::workspace::Workspace;
 use fmu_studies::linearise::{self, Arguments};
+use folder::Folder;
 use linkage_fmu::component::{Component, Linearisation};
-use std::{env, fs, process};
+use std::fs;
 
 /// A pendulum of 2 kg at 0.5 m with a motor and a damper in its pivot.
 const PENDULUM: &str = r#"{
@@ -20,10 +24,8 @@ const PENDULUM: &str = r#"{
 
 #[test]
 fn the_table_has_the_numbers_of_the_engine() {
-    let folder = env::temp_dir().join(format!("fmu-build-linearise-{}", process::id()));
-    fs::create_dir_all(&folder).unwrap();
-    let path = folder.join("mechanism.json");
-    fs::write(&path, PENDULUM).unwrap();
+    let folder = Folder::new("linearise");
+    let path = folder.write("mechanism.json", PENDULUM);
     let (table, picture) = (folder.join("modes.csv"), folder.join("modes.svg"));
     let mut arguments = Arguments {
         path,
@@ -86,5 +88,4 @@ fn the_table_has_the_numbers_of_the_engine() {
     arguments.coordinate = None;
     let refused = format!("{:#}", linearise::run(&Workspace::locate(), &arguments).unwrap_err());
     assert!(refused.contains("no travel"), "{refused}");
-    fs::remove_dir_all(folder).unwrap();
 }

@@ -1,10 +1,14 @@
 //! Every command that prints, with a closed pipe and with a full disk as its output.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::workspace::Workspace;
+use folder::Folder;
+use std::fs;
 use std::io::pipe;
 use std::process::{Command, Output, Stdio};
-use std::{env, fs, process};
 
 const TABLE: &str = "type,x,y,angle,links,driven\nR,0,0,,ground a,1\nR,0,1,,a b,\nR,4,3,,b c,\nR,3,0,,ground c,\n";
 
@@ -39,8 +43,7 @@ fn run(words: &[String], stdout: Stdio, stderr: Stdio) -> Output {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_file_is_written_to_standard_output_by_its_name() {
-    let folder = env::temp_dir().join(format!("fmu-build-stdout-{}", process::id()));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new("stdout");
     let crank = Workspace::locate().descriptions().join("SliderCrank").display().to_string();
     let own = folder.join("own");
     for (words, option, [first, last]) in [
@@ -61,13 +64,11 @@ fn a_file_is_written_to_standard_output_by_its_name() {
             assert_eq!(String::from_utf8(output.stdout).unwrap(), expected, "{words:?} {path}");
         }
     }
-    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn output_to_a_closed_pipe_or_a_full_disk_does_not_panic() {
-    let folder = env::temp_dir().join(format!("fmu-build-output-{}", process::id()));
-    fs::create_dir_all(&folder).unwrap();
+    let folder = Folder::new("output");
     let closed = || {
         let (reader, writer) = pipe().unwrap();
         drop(reader);
@@ -89,5 +90,4 @@ fn output_to_a_closed_pipe_or_a_full_disk_does_not_panic() {
             assert!(run(&words, Stdio::null(), full()).status.success(), "{words:?}");
         }
     }
-    fs::remove_dir_all(folder).unwrap();
 }

@@ -2,12 +2,18 @@
 //! steps.
 #![allow(clippy::unwrap_used)]
 
+#[path = "../../../tests/support/folder.rs"]
+mod folder;
+#[path = "../../../tests/support/memory.rs"]
+mod memory;
+
 use fmu_build::workspace::Workspace;
 use fmu_studies::simulate::{self, Arguments, Outcome};
+use folder::Folder;
 use linkage_fmu::component::{Component, Stepped};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use std::{env, fs, process};
+use std::{fs, process};
 
 /// Communication step [s].
 const STEP: f64 = 1e-3;
@@ -16,23 +22,6 @@ const START_VALUES: [&str; 1] = ["drive.torque=0"];
 
 fn four_bar() -> PathBuf {
     Workspace::locate().descriptions().join("FourBar")
-}
-
-/// A folder that is removed with its contents.
-struct Folder(PathBuf);
-
-impl Folder {
-    fn new(test: &str) -> Self {
-        let path = env::temp_dir().join(format!("fmu-build-simulate-{}-{test}", process::id()));
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-}
-
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
-    }
 }
 
 /// Largest memory of a run with this number of steps that writes a file with this ending, or none [kB].
@@ -51,23 +40,7 @@ fn memory(folder: &Path, steps: u32, ending: &str) -> u64 {
     if let Some(option) = option {
         command.arg(option).arg(folder.join(format!("run.{ending}")));
     }
-    let mut child = command.arg("--").arg(four_bar()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
-    let mut most = 0;
-    let status = loop {
-        // The kernel stores the largest value, so the last reading misses only the last moments.
-        let process_status = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak = process_status
-            .lines()
-            .find_map(|line| line.strip_prefix("VmHWM:"))
-            .and_then(|line| line.split_whitespace().next());
-        most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
-        if let Some(status) = child.try_wait().unwrap() {
-            break status;
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    };
-    assert!(status.success());
-    most
+    memory::largest(command.arg("--").arg(four_bar()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap())
 }
 
 #[cfg(target_os = "linux")]

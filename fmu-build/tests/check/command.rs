@@ -1,6 +1,6 @@
 //! The output of the command as text and as JSON, for files, folders and FMUs.
 
-use crate::support::{checked, slider_crank, with};
+use crate::support::{Folder, checked, slider_crank, with};
 use fmu_build::archive::{self, Entry};
 use fmu_build::check::{self, Arguments};
 use fmu_build::workspace::Workspace;
@@ -23,12 +23,11 @@ fn the_printed_finding_shows_file_line_text_and_remedy() {
 /// A file, a folder and an FMU, with and without warnings.
 #[test]
 fn files_folders_and_fmus_are_checked() {
-    let folder = std::env::temp_dir().join(format!("fmu-build-check-{}", std::process::id()));
-    std::fs::create_dir_all(folder.join("resources")).unwrap();
+    let folder = Folder::new("check");
     let odd = with("/gravity/up_angle", json!(90));
-    std::fs::write(folder.join("resources/mechanism.json"), &odd).unwrap();
-    std::fs::write(folder.join("good.json"), slider_crank().to_string()).unwrap();
-    std::fs::write(folder.join("bad.json"), with("/start/body", json!("none"))).unwrap();
+    folder.write("resources/mechanism.json", &odd);
+    folder.write("good.json", slider_crank().to_string());
+    folder.write("bad.json", with("/start/body", json!("none")));
     let entry = Entry { name: "resources/mechanism.json".into(), content: odd.into_bytes() };
     archive::write(&folder.join("M.fmu"), vec![entry]).unwrap();
     let workspace = Workspace::locate();
@@ -48,7 +47,6 @@ fn files_folders_and_fmus_are_checked() {
     let missing =
         check::run(&workspace, &Arguments { paths: vec![folder.join("no.fmu")], json: true, deny_warnings: false });
     assert!(!missing.unwrap(), "a path that cannot be read is an error");
-    std::fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
@@ -67,14 +65,12 @@ fn the_json_for_programs_has_places_facts_and_counts() {
 #[test]
 fn a_path_that_cannot_be_read_does_not_hide_the_others() {
     use std::process::Command;
-    let folder = std::env::temp_dir().join(format!("fmu-build-check-paths-{}", std::process::id()));
-    std::fs::create_dir_all(folder.join("near")).unwrap();
-    let put = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
-    put("good.json", &slider_crank().to_string());
-    put("bad.json", &with("/guess/gude", json!(1)));
-    put("near/Mechanism.json", "{}");
+    let folder = Folder::new("check-paths");
+    folder.write("good.json", slider_crank().to_string());
+    folder.write("bad.json", with("/guess/gude", json!(1)));
+    folder.write("near/Mechanism.json", "{}");
     let run = |arguments: &[&str]| {
-        let out = Command::new(env!("CARGO_BIN_EXE_fmu-build")).args(arguments).current_dir(&folder).output().unwrap();
+        let out = Command::new(env!("CARGO_BIN_EXE_fmu-build")).args(arguments).current_dir(&*folder).output().unwrap();
         let text = |bytes| String::from_utf8(bytes).unwrap();
         (text(out.stdout), text(out.stderr), out.status.code())
     };
@@ -89,5 +85,4 @@ fn a_path_that_cannot_be_read_does_not_hide_the_others() {
     assert_eq!((out.matches("guess.gude:").count(), error.matches("guess.gude").count(), code), (1, 0, Some(1)));
     assert!(!folder.join("fmus").exists());
     assert!(run(&["check", "near"]).0.contains("rename this file to mechanism.json"));
-    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -1,9 +1,11 @@
 //! Facts about mechanisms against closed forms.
 
+use crate::support::definition::{With, pin, rod, slide};
 use crate::support::{checked, fact, number, slider_crank, with};
 use fmu_build::check;
 use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
+use std::f64::consts::FRAC_PI_2;
 
 #[test]
 fn facts_of_a_slider_crank_are_those_of_the_closed_form() {
@@ -118,13 +120,11 @@ fn the_stops_of_both_directions_are_named() {
 /// A flap whose link and rocker of 0.05 m each are in line before the flap is open.
 #[test]
 fn the_joints_that_end_a_motion_are_named() {
-    let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
-    let rod = |length: i32| json!({ "length": length, "mass": 1, "shape": "uniform_rod" });
     let flap = |angle: f64| {
         json!({
             "name": "Flap", "units": { "angle": "deg", "length": "mm" },
             "bodies": {
-                "ground": { "length": 100 }, "flap": rod(60), "link": rod(50), "rocker": rod(50)
+                "ground": { "length": 100 }, "flap": rod(60.0, 1.0), "link": rod(50.0, 1.0), "rocker": rod(50.0, 1.0)
             },
             "joints": {
                 "A": pin("ground.origin", "flap.origin"), "B": pin("flap.end", "link.origin"),
@@ -223,20 +223,12 @@ fn a_long_travel_is_reported_up_to_its_stops() {
 /// but not all. A platform that does not move has no toggles.
 #[test]
 fn singular_parts_of_redundant_loops_are_no_crossings() {
-    let rod = |length: f64| {
-        json!({ "length": length, "mass": 1, "shape": "uniform_rod", "points": {
-        "middle": [0.5 * length, 0] } })
-    };
-    let pin = |first: &str, second: &str| json!({ "type": "revolute", "first": first, "second": second });
-    let slide = |second: &str, axis: f64| {
-        json!({ "type": "prismatic", "first": "ground.origin", "second": second,
-        "axis_angle": axis })
-    };
+    let bar = |length: f64| rod(length, 1.0).with(json!({ "points": { "middle": [0.5 * length, 0] } }));
     let trammel = json!({
         "name": "Trammel",
-        "bodies": { "ground": {}, "bar": rod(1.0), "arm": rod(0.5), "across": {}, "up": {} },
+        "bodies": { "ground": {}, "bar": bar(1.0), "arm": bar(0.5), "across": {}, "up": {} },
         "joints": {
-            "h": slide("across.origin", 0.0), "v": slide("up.origin", std::f64::consts::FRAC_PI_2),
+            "h": slide("ground.origin", "across.origin", 0.0), "v": slide("ground.origin", "up.origin", FRAC_PI_2),
             "a": pin("bar.origin", "across.origin"), "b": pin("bar.end", "up.origin"), "o": pin("ground.origin",
                 "arm.origin"),
             "p": pin("arm.end", "bar.middle")

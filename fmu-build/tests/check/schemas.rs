@@ -1,6 +1,6 @@
 //! The JSON of `check` and `info` agrees with the committed schemas, and the page explains each field.
 
-use crate::support::{slider_crank, with};
+use crate::support::{Folder, slider_crank, with};
 use fmu_build::archive::{self, Entry};
 use fmu_build::workspace::Workspace;
 use serde_json::{Value, json};
@@ -56,12 +56,11 @@ fn the_page_explains_each_field() {
 
 #[test]
 fn output_of_check_conforms_to_its_schema() {
-    let folder = std::env::temp_dir().join(format!("fmu-build-schemas-{}", std::process::id()));
-    fs::create_dir_all(&folder).unwrap();
-    fs::write(folder.join("warned.json"), with("/gravity/up_angle", json!(90))).unwrap();
-    fs::write(folder.join("wrong.json"), with("/start/body", json!("none"))).unwrap();
-    fs::write(folder.join("apart.json"), with("/bodies/rod/length", json!(0.01))).unwrap();
-    fs::write(folder.join("broken.json"), "{ \"name\": 3,").unwrap();
+    let folder = Folder::new("schemas");
+    folder.write("warned.json", with("/gravity/up_angle", json!(90)));
+    folder.write("wrong.json", with("/start/body", json!("none")));
+    folder.write("apart.json", with("/bodies/rod/length", json!(0.01)));
+    folder.write("broken.json", "{ \"name\": 3,");
     let mut paths: Vec<_> =
         ["warned", "wrong", "apart", "broken", "missing"].map(|name| folder.join(format!("{name}.json"))).into();
     let examples = fs::read_dir(Workspace::locate().descriptions()).unwrap().map(|entry| entry.unwrap().path());
@@ -79,14 +78,12 @@ fn output_of_check_conforms_to_its_schema() {
     let mut other = all[0].clone();
     other["colour"] = json!("red");
     assert!(!jsonschema::draft202012::new(&schema).unwrap().is_valid(&json!([other])));
-    fs::remove_dir_all(folder).unwrap();
 }
 
 #[test]
 fn output_of_info_conforms_to_its_schema() {
-    let folder = std::env::temp_dir().join(format!("fmu-build-schemas-info-{}", std::process::id()));
-    fs::create_dir_all(&folder).unwrap();
-    fs::write(folder.join("M.json"), slider_crank().to_string()).unwrap();
+    let folder = Folder::new("schemas-info");
+    folder.write("M.json", slider_crank().to_string());
     let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
     let entry = |name: &str| Entry { name: name.into(), content: fs::read(gear.join(name)).unwrap() };
     let entries = ["modelDescription.xml", "resources/mechanism.json"].map(entry).into();
@@ -97,5 +94,4 @@ fn output_of_info_conforms_to_its_schema() {
         assert_valid(&schema, &output);
         assert_eq!(output["definition"], definition);
     }
-    fs::remove_dir_all(folder).unwrap();
 }

@@ -1,6 +1,14 @@
 //! A slider-crank, texts made from it, and their findings.
 
+#[allow(dead_code)]
+#[path = "../../../tests/support/definition.rs"]
+pub mod definition;
+#[path = "../../../tests/support/folder.rs"]
+mod folder;
+
+use definition::{With, rod};
 use fmu_build::check::{self, Checked};
+pub use folder::Folder;
 use linkage_fmu::inspection::{Fact, Severity};
 use serde_json::{Value, json};
 
@@ -10,23 +18,11 @@ pub fn checked(text: &str) -> Checked {
 
 /// A crank of 0.1 m and a rod of 0.3 m in the plane of gravity, 2 kg in the slider on the X axis.
 pub fn slider_crank() -> Value {
-    json!({
-        "name": "M",
-        "gravity": { "acceleration": 10.0, "up_angle": std::f64::consts::FRAC_PI_2 },
-        "bodies": {
-            "ground": {}, "crank": { "length": 0.1, "mass": 1.0, "shape": "uniform_rod" }, "rod": { "length": 0.3 },
-            "slider": { "mass": 2.0 }
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
-            "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
-        },
+    definition::slider_crank([rod(0.1, 1.0), json!({ "length": 0.3 }), json!({ "mass": 2.0 })], 0.5).with(json!({
+        "name": "M", "gravity": { "acceleration": 10.0, "up_angle": std::f64::consts::FRAC_PI_2 },
         "actuators": { "motor": { "joint": "bearing" }, "push": { "joint": "guide" } },
-        "start": { "body": "crank", "angle": 0.5 },
-        "guess": { "crank": 0.5, "rod": -0.16, "guide": 0.38 }
-    })
+        "guess": { "rod": -0.16, "guide": 0.38 },
+    }))
 }
 
 pub fn with(path: &str, value: Value) -> String {

@@ -1,53 +1,17 @@
 //! The examples of the pages of the elements, each in its complete file.
 
-use crate::support::{examples, validator};
+use crate::reference::{Example, examples};
+use crate::support::validator;
 use linkage_fmu::mechanism::Model;
 use linkage_fmu::variables::Kind;
-use serde_json::{Value, json};
-
-/// Groups of named entries.
-const GROUPS: [&str; 12] = [
-    "bodies",
-    "joints",
-    "couplings",
-    "actuators",
-    "forces",
-    "torques",
-    "springs",
-    "markers",
-    "surfaces",
-    "stops",
-    "locks",
-    "guess",
-];
-
-/// Add a part of a file to a complete file: entries of groups one by one, other keys unchanged.
-fn add_part(whole: &mut Value, part: &Value) {
-    for (key, value) in part.as_object().unwrap() {
-        if GROUPS.contains(&key.as_str()) {
-            let group = whole.as_object_mut().unwrap().entry(key).or_insert_with(|| json!({}));
-            for (name, entry) in value.as_object().unwrap() {
-                group[name] = entry.clone();
-            }
-        } else {
-            whole[key] = value.clone();
-        }
-    }
-}
 
 #[test]
 fn every_example_runs() {
     let validator = validator();
     let (mut wholes, mut parts) = (0, 0);
-    for (page, above, example) in examples() {
-        let text = format!("{page}:\n{example:#}");
-        let mut whole = above.clone();
-        if whole == example {
-            wholes += 1;
-        } else {
-            add_part(&mut whole, &example);
-            parts += 1;
-        }
+    for Example { page, part, whole, .. } in examples() {
+        let text = format!("{page}:\n{part:#}");
+        *(if part == whole { &mut wholes } else { &mut parts }) += 1;
         let errors: Vec<String> =
             validator.iter_errors(&whole).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(errors.is_empty(), "{errors:?} in\n{text}");

@@ -3,5 +3,7 @@
 
 mod examples;
 mod keys;
+#[path = "../../../tests/support/examples.rs"]
+mod reference;
 mod support;
 mod values;

@@ -70,3 +70,8 @@ pub fn guarded<T>(body: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
         )))
     })
 }
+
+/// The result of a function that runs while other threads may use Python. A panic becomes an exception.
+pub fn detached<T: Send>(py: Python<'_>, body: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
+    py.detach(|| guarded(body))
+}

@@ -4,7 +4,7 @@
 //! numpy reads, and the reasons of missing values.
 
 use crate::arguments::{optional, whole};
-use crate::errors::{guarded, input, value};
+use crate::errors::{detached, input, value};
 use crate::model::Model;
 use crate::rows::{Plan, packed};
 use fmu_build::start_values::find;
@@ -47,17 +47,15 @@ pub fn many<'py>(
     let number = |bytes: &[u8; 8]| f64::from_ne_bytes(*bytes);
     let rows: Vec<f64> = rows.as_chunks().0.iter().map(number).collect();
     let mut interrupted = None;
-    let runs = py.detach(|| {
-        guarded(|| {
-            let find = |name: &String| find(model.interface(), name);
-            let varied: Vec<_> = names.iter().map(find).collect::<Result<_, _>>().map_err(input)?;
-            let ensemble = Ensemble { model: &model, varied: &varied, outputs: plan.references(), stop_time };
-            let watch = |_| {
-                interrupted = Python::attach(|py| py.check_signals()).err();
-                interrupted.is_some()
-            };
-            ensemble.run(&rows, threads, watch).map_err(value)
-        })
+    let runs = detached(py, || {
+        let find = |name: &String| find(model.interface(), name);
+        let varied: Vec<_> = names.iter().map(find).collect::<Result<_, _>>().map_err(input)?;
+        let ensemble = Ensemble { model: &model, varied: &varied, outputs: plan.references(), stop_time };
+        let watch = |_| {
+            interrupted = Python::attach(|py| py.check_signals()).err();
+            interrupted.is_some()
+        };
+        ensemble.run(&rows, threads, watch).map_err(value)
     })?;
     match interrupted {
         Some(interrupted) => Err(interrupted),

@@ -3,7 +3,7 @@
 //! In: the text of a definition, names, times, signals. Out: rows as bytes in the layout for numpy, texts.
 
 use crate::arguments::{self, names, number, optional, truth, whole};
-use crate::errors::{InputError, guarded, input, refused};
+use crate::errors::{InputError, detached, guarded, input, refused};
 use crate::rows::{MOST_BYTES, Made, Plan, fits, made, packed};
 use crate::simulation::Simulation;
 use crate::travel::{along, dictionary};
@@ -138,28 +138,26 @@ impl Model {
             (optional("output_interval", interval)?, optional("relative_tolerance", tolerance)?);
         let used = self.used.lock().unwrap_or_else(PoisonError::into_inner).take();
         let mut model = Self::with(used.unwrap_or_else(|| self.component()), start_values)?;
-        let (rows, warnings, error, time) = py.detach(|| {
-            guarded(|| {
-                if let Some(tolerance) = tolerance {
-                    model.set_tolerance(tolerance).map_err(|error| input(format!("relative_tolerance: {error}")))?;
+        let (rows, warnings, error, time) = detached(py, || {
+            if let Some(tolerance) = tolerance {
+                model.set_tolerance(tolerance).map_err(|error| input(format!("relative_tolerance: {error}")))?;
+            }
+            let span = Span::new(model.experiment(), start, stop, interval).map_err(input)?;
+            fits(&span, plan)?;
+            let signals = match signals {
+                Some((times, columns)) => {
+                    Signals::of_columns(model.interface(), times, columns, with_slopes).map_err(input)?
                 }
-                let span = Span::new(model.experiment(), start, stop, interval).map_err(input)?;
-                fits(&span, plan)?;
-                let signals = match signals {
-                    Some((times, columns)) => {
-                        Signals::of_columns(model.interface(), times, columns, with_slopes).map_err(input)?
-                    }
-                    None => Signals::none(),
-                }
-                .within(&span);
-                if with_slopes && model.input_order() == 0 {
-                    return Err(input("set_input_derivatives: this model has no derivatives of inputs"));
-                }
-                let made = made(&mut model, &span, &signals, plan)?;
-                model.reset();
-                *self.used.lock().unwrap_or_else(PoisonError::into_inner) = Some(model);
-                Ok(made)
-            })
+                None => Signals::none(),
+            }
+            .within(&span);
+            if with_slopes && model.input_order() == 0 {
+                return Err(input("set_input_derivatives: this model has no derivatives of inputs"));
+            }
+            let made = made(&mut model, &span, &signals, plan)?;
+            model.reset();
+            *self.used.lock().unwrap_or_else(PoisonError::into_inner) = Some(model);
+            Ok(made)
         })?;
         Ok((plan.packed(py, &rows)?, warnings, error, time))
     }
@@ -188,7 +186,7 @@ impl Model {
             )));
         }
         let mut model = self.started(start_values)?;
-        let values = py.detach(|| guarded(|| along(&mut model, count, &outputs)))?;
+        let values = detached(py, || along(&mut model, count, &outputs))?;
         packed(py, &values)
     }
 
@@ -216,18 +214,16 @@ impl Model {
             plot: None,
         };
         let mut model = self.started(start_values)?;
-        let (names, all) = py.detach(|| {
-            guarded(|| {
-                let what = fmu_studies::linearise::what(&model, &arguments).map_err(input)?;
-                let name = |own: &Reference| model.interface().list()[*own as usize].name.clone();
-                let named = |all: &[Reference]| all.iter().map(name).collect::<Vec<_>>();
-                let names = (name(&what.coordinate), named(&what.inputs), named(&what.outputs));
-                let all = match count {
-                    Some(count) => model.linearise(&what, count as usize),
-                    None => model.linearise_here(&what).map(|one| vec![one]),
-                };
-                Ok((names, all.map_err(refused)?))
-            })
+        let (names, all) = detached(py, || {
+            let what = fmu_studies::linearise::what(&model, &arguments).map_err(input)?;
+            let name = |own: &Reference| model.interface().list()[*own as usize].name.clone();
+            let named = |all: &[Reference]| all.iter().map(name).collect::<Vec<_>>();
+            let names = (name(&what.coordinate), named(&what.inputs), named(&what.outputs));
+            let all = match count {
+                Some(count) => model.linearise(&what, count as usize),
+                None => model.linearise_here(&what).map(|one| vec![one]),
+            };
+            Ok((names, all.map_err(refused)?))
         })?;
         let (coordinate, inputs, outputs) = names;
         Ok((coordinate, inputs, outputs, all.iter().map(|at| dictionary(py, at)).collect::<PyResult<_>>()?))
@@ -259,12 +255,10 @@ impl Model {
         let stop_time = optional("stop_time", stop_time)?;
         let wanted = Wanted::new(stop_time, &[]).map_err(input)?;
         let wanted = wanted.with(arguments::start_values(self.component().interface(), start_values)?);
-        py.detach(|| {
-            guarded(|| {
-                let checked = check::check(shown, self.kind, self.text.clone()).map_err(input)?;
-                let data = Data::collect(&checked, &wanted).map_err(input)?;
-                view::html(&data).map_err(refused)
-            })
+        detached(py, || {
+            let checked = check::check(shown, self.kind, self.text.clone()).map_err(input)?;
+            let data = Data::collect(&checked, &wanted).map_err(input)?;
+            view::html(&data).map_err(refused)
         })
     }
 }

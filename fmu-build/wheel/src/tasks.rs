@@ -3,7 +3,7 @@
 //! In: paths, texts, a function to report progress. Out: the result of a task, as JSON or paths, and its printed text.
 
 use crate::arguments::{names, text, truth, whole};
-use crate::errors::{guarded, in_python, input, refused};
+use crate::errors::{detached, guarded, in_python, input, refused};
 use anyhow::{Context, Result};
 use fmu_build::fmu::Definition;
 use fmu_build::workspace::Workspace;
@@ -57,30 +57,26 @@ fn unpacked(archive: &Path, name: &str) -> Result<Vec<u8>> {
 /// The command with its words, of which the first is the name of the program. Returns the exit code.
 #[pyfunction]
 pub fn main(py: Python<'_>, words: Vec<OsString>) -> PyResult<u8> {
-    py.detach(|| {
-        guarded(|| {
-            let cli = fmu_cli::installed::parse(words);
-            let code = match workspace() {
-                Ok(workspace) => task::run(&workspace, cli, fmu_studies::task::run),
-                Err(error) => task::refused(&error),
-            };
-            // An exit code cannot be converted to its number.
-            let number = (0..=u8::MAX).find(|number| code == ExitCode::from(*number));
-            Ok(number.unwrap_or(1))
-        })
+    detached(py, || {
+        let cli = fmu_cli::installed::parse(words);
+        let code = match workspace() {
+            Ok(workspace) => task::run(&workspace, cli, fmu_studies::task::run),
+            Err(error) => task::refused(&error),
+        };
+        // An exit code cannot be converted to its number.
+        let number = (0..=u8::MAX).find(|number| code == ExitCode::from(*number));
+        Ok(number.unwrap_or(1))
     })
 }
 
 /// Kind, place and text of the definition in a file, a folder or an FMU.
 #[pyfunction]
 pub fn read(py: Python<'_>, path: PathBuf) -> PyResult<(&'static str, String, String)> {
-    py.detach(|| {
-        guarded(|| {
-            // Only folders of the repository are special, so any workspace can be used.
-            let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            let Definition { shown, kind, text } = Definition::read(&workspace, &path).map_err(input)?;
-            Ok((kind, shown, text))
-        })
+    detached(py, || {
+        // Only folders of the repository are special, so any workspace can be used.
+        let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
+        let Definition { shown, kind, text } = Definition::read(&workspace, &path).map_err(input)?;
+        Ok((kind, shown, text))
     })
 }
 
@@ -93,12 +89,10 @@ pub fn kind_of(text: &str) -> &'static str {
 /// Findings and facts of a definition as JSON and as text.
 #[pyfunction]
 pub fn check(py: Python<'_>, kind: &str, text: String, shown: String) -> PyResult<(String, String)> {
-    py.detach(|| {
-        guarded(|| {
-            let checked = checking::check(shown, kind, text).map_err(input)?;
-            let words = checking::text(&checked);
-            Ok((checking::json(&[checked])[0].to_string(), words))
-        })
+    detached(py, || {
+        let checked = checking::check(shown, kind, text).map_err(input)?;
+        let words = checking::text(&checked);
+        Ok((checking::json(&[checked])[0].to_string(), words))
     })
 }
 
@@ -115,53 +109,46 @@ pub fn package(
 ) -> PyResult<(Vec<PathBuf>, String)> {
     let (fmi, platforms) = (text("fmi", fmi)?, names("platforms", platforms)?);
     let (animation, results) = (truth("animation", animation)?, truth("results", results)?);
-    py.detach(|| {
-        guarded(|| {
-            let fmi = match &*fmi {
-                "2" => fmu_cli::Fmi::Two,
-                "3" => fmu_cli::Fmi::Three,
-                "both" => fmu_cli::Fmi::Both,
-                other => return Err(input(format!("fmi = {other:?}: must be \"2\", \"3\" or \"both\""))),
-            };
-            let platforms = platforms.iter().map(|name| fmu_cli::Platform::named(name));
-            let platforms =
-                platforms.collect::<Result<Vec<_>, _>>().map_err(|why| input(format!("platforms: {why}")))?;
-            let arguments = fmu_build::package::Arguments {
-                paths: vec![path],
-                out: Some(out),
-                fmi,
-                platforms,
-                no_animation: !animation,
-                no_results: !results,
-                ..Default::default()
-            };
-            let workspace = workspace().map_err(refused)?;
-            let (made, printed) = output::collected(|| fmu_build::package::run(&workspace, &arguments));
-            Ok((made.map_err(|error| input(format!("{error:#}\n{printed}").trim_end()))?, printed))
-        })
+    detached(py, || {
+        let fmi = match &*fmi {
+            "2" => fmu_cli::Fmi::Two,
+            "3" => fmu_cli::Fmi::Three,
+            "both" => fmu_cli::Fmi::Both,
+            other => return Err(input(format!("fmi = {other:?}: must be \"2\", \"3\" or \"both\""))),
+        };
+        let platforms = platforms.iter().map(|name| fmu_cli::Platform::named(name));
+        let platforms = platforms.collect::<Result<Vec<_>, _>>().map_err(|why| input(format!("platforms: {why}")))?;
+        let arguments = fmu_build::package::Arguments {
+            paths: vec![path],
+            out: Some(out),
+            fmi,
+            platforms,
+            no_animation: !animation,
+            no_results: !results,
+            ..Default::default()
+        };
+        let workspace = workspace().map_err(refused)?;
+        let (made, printed) = output::collected(|| fmu_build::package::run(&workspace, &arguments));
+        Ok((made.map_err(|error| input(format!("{error:#}\n{printed}").trim_end()))?, printed))
     })
 }
 
 /// The interface of a model as text and as JSON.
 #[pyfunction]
 pub fn info(py: Python<'_>, path: PathBuf) -> PyResult<(String, String)> {
-    py.detach(|| {
-        guarded(|| {
-            let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            fmu_build::info::of(&workspace, &path).map_err(input)
-        })
+    detached(py, || {
+        let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
+        fmu_build::info::of(&workspace, &path).map_err(input)
     })
 }
 
 /// Errors, warnings and notes about an FMU, as JSON.
 #[pyfunction]
 pub fn validate(py: Python<'_>, path: PathBuf) -> PyResult<String> {
-    py.detach(|| {
-        guarded(|| {
-            let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            let found = fmu_build::validate::validate(&workspace, &path).map_err(input)?;
-            serde_json::to_string(&found).map_err(refused)
-        })
+    detached(py, || {
+        let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
+        let found = fmu_build::validate::validate(&workspace, &path).map_err(input)?;
+        serde_json::to_string(&found).map_err(refused)
     })
 }
 
@@ -204,29 +191,27 @@ fn observed(
     watch: Option<Py<PyAny>>,
     make: impl FnOnce(&Workspace, Watch) -> Result<Outcome> + Send,
 ) -> PyResult<String> {
-    py.detach(|| {
-        guarded(|| {
-            let wish = progress::stop_wish_of_host();
-            wish.store(false, Ordering::Relaxed);
-            let raised: RefCell<Option<PyErr>> = RefCell::new(None);
-            let report = |done: u64, all: u64| {
-                let call = |py: Python<'_>| -> PyResult<()> {
-                    py.check_signals()?;
-                    watch.as_ref().map_or(Ok(()), |watch| watch.call1(py, (done, all)).map(drop))
-                };
-                if let Err(error) = Python::attach(call) {
-                    raised.borrow_mut().get_or_insert(error);
-                    wish.store(true, Ordering::Relaxed);
-                }
+    detached(py, || {
+        let wish = progress::stop_wish_of_host();
+        wish.store(false, Ordering::Relaxed);
+        let raised: RefCell<Option<PyErr>> = RefCell::new(None);
+        let report = |done: u64, all: u64| {
+            let call = |py: Python<'_>| -> PyResult<()> {
+                py.check_signals()?;
+                watch.as_ref().map_or(Ok(()), |watch| watch.call1(py, (done, all)).map(drop))
             };
-            let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
-            let (outcome, printed) = output::collected(|| make(&workspace, &report));
-            match (raised.into_inner(), outcome) {
-                (Some(error), _) => Err(error),
-                (None, Ok(_)) => Ok(in_python(&printed)),
-                (None, Err(error)) => Err(input(error)),
+            if let Err(error) = Python::attach(call) {
+                raised.borrow_mut().get_or_insert(error);
+                wish.store(true, Ordering::Relaxed);
             }
-        })
+        };
+        let workspace = workspace().unwrap_or_else(|_| Workspace::locate());
+        let (outcome, printed) = output::collected(|| make(&workspace, &report));
+        match (raised.into_inner(), outcome) {
+            (Some(error), _) => Err(error),
+            (None, Ok(_)) => Ok(in_python(&printed)),
+            (None, Err(error)) => Err(input(error)),
+        }
     })
 }
 

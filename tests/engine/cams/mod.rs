@@ -7,13 +7,13 @@ mod refusals;
 
 pub use followers::lift;
 
+use crate::support::definition::With;
 use serde_json::{Value, json};
 use std::f64::consts::PI;
 
 /// Two elliptic gears 0.3 m apart along the direction 0.4 rad; inertias 0.02 and 0.05 kg.m2, masses 2 and 3 kg.
 pub fn elliptic(keys: Value) -> String {
-    let mut coupling = json!({ "type": "elliptic_gears", "first": "one.origin", "second": "two.origin" });
-    keys.as_object().unwrap().iter().for_each(|(key, value)| coupling[key] = value.clone());
+    let coupling = json!({ "type": "elliptic_gears", "first": "one.origin", "second": "two.origin" }).with(keys);
     json!({ "name": "Elliptic",
         "bodies": { "ground": { "points": { "far": [0.3 * 0.4_f64.cos(), 0.3 * 0.4_f64.sin()] } },
             "one": { "mass": 2, "inertia": 0.02 }, "two": { "mass": 3, "inertia": 0.05 } },
@@ -36,9 +36,9 @@ fn segments(law: &str, rise: f64) -> Value {
 /// A cam of 1.2 kg and 0.004 kg.m2 at (0.05, -0.02) with an eccentric centre of mass, and a follower of 0.6 kg with a
 /// spring. The follower slides upward at an offset of 0.012 m from the axis of the cam.
 pub fn translating(law: &str, follower: Value) -> String {
-    let mut coupling = json!({ "type": "cam", "first": "disc.origin", "joint": "guide", "contact": "stem.tip",
-        "base_radius": 0.04, "start_angle": 0.5, "segments": segments(law, 0.02) });
-    follower.as_object().unwrap().iter().for_each(|(key, value)| coupling[key] = value.clone());
+    let coupling = json!({ "type": "cam", "first": "disc.origin", "joint": "guide", "contact": "stem.tip",
+        "base_radius": 0.04, "start_angle": 0.5, "segments": segments(law, 0.02) })
+    .with(follower);
     json!({ "name": "Translating", "gravity": { "acceleration": 9.81, "up_angle": PI / 2.0 },
         "bodies": { "ground": { "points": { "axis": [0.05, -0.02], "guide": [0.062, 0.2] } },
             "disc": { "mass": 1.2, "inertia": 0.004, "center": [0.005, 0.002] },
@@ -62,9 +62,9 @@ pub fn parsed(text: &str) -> Value {
 
 /// A cam of 0.004 kg.m2 at the origin and a lever of 0.16 m with its pivot at (0.14, 0.03).
 pub fn oscillating(law: &str, follower: Value) -> String {
-    let mut coupling = json!({ "type": "cam", "first": "disc.origin", "second": "lever.origin", "contact": "lever.end",
-        "base_radius": 0.04, "start_angle": -0.3, "segments": segments(law, 0.25) });
-    follower.as_object().unwrap().iter().for_each(|(key, value)| coupling[key] = value.clone());
+    let coupling = json!({ "type": "cam", "first": "disc.origin", "second": "lever.origin", "contact": "lever.end",
+        "base_radius": 0.04, "start_angle": -0.3, "segments": segments(law, 0.25) })
+    .with(follower);
     json!({ "name": "Oscillating",
         "bodies": { "ground": { "points": { "pivot": [0.14, 0.03] } },
             "disc": { "mass": 1.2, "inertia": 0.004 },

@@ -48,21 +48,16 @@ fn an_end_is_reached_and_left_as_in_one_system() {
         scene.start.push(Set::Circuit("cylinder.restitution", restitution));
         let later = vec![(4.6, Set::Circuit("valve.command", -1.3))];
         let scene = Scene { later, end: 5.2, sample: 0.1, ..scene };
-        let of_one = one_system(&scene);
-        for (host, h, most) in [
-            (Host::Held, 1e-3, 1e-5),
-            (Host::Held, 2e-2, 4e-3),
-            (Host::Line, 1e-3, 1e-7),
-            (Host::Line, 2e-2, 3e-5),
-            (Host::TwoPasses, 1e-3, 1e-8),
-            (Host::TwoPasses, 2e-2, 2e-5),
-            (Host::Late, 1e-3, 1e-5),
-            (Host::Late, 5e-3, 3e-4),
-        ] {
-            let [angle, force] = differences(&pair(&scene, host, &|_| h, true), &of_one);
-            println!("end {cushion} {restitution} {host:?} {h}: {angle:.1e} rad, {force:.1e} N");
-            assert!(angle < most, "{cushion} {restitution} {host:?} {h}: {angle:e} rad");
-        }
+        assert_near_one(
+            &format!("end {cushion} {restitution}"),
+            &scene,
+            &[
+                (Host::Held, &[(1e-3, 1e-5), (2e-2, 4e-3)]),
+                (Host::Line, &[(1e-3, 1e-7), (2e-2, 3e-5)]),
+                (Host::TwoPasses, &[(1e-3, 1e-8), (2e-2, 2e-5)]),
+                (Host::Late, &[(1e-3, 1e-5), (5e-3, 3e-4)]),
+            ],
+        );
     }
 }
 

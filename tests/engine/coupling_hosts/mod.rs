@@ -1,29 +1,18 @@
 //! The landing gear and its hydraulic actuator as two models in hosts of several kinds, against both as a single
 //! system: rest at stops and locks, release, changing steps, jumps of command and load.
-use crate::hydraulic_pair::host;
+use crate::hydraulic_pair::{ACTUATOR, Actuator, Gear as Mechanism, hermite};
+use crate::support::{GEAR, HYDRAULIC_GEAR};
 use linkage_fmu::hydraulics;
 use linkage_fmu::mechanism;
 
 mod ends;
 mod load_jump;
 
-const GEAR: &str = include_str!("../../../modelDescription/LandingGearRetraction/resources/mechanism.json");
-const ACTUATOR: &str = include_str!("../../../modelDescription/HydraulicActuator/resources/hydraulics.json");
-const ONE: &str = include_str!("../../../modelDescription/LandingGearRetractionHydraulic/resources/mechanism.json");
-
 /// Relative tolerance of the integrations.
 const TOLERANCE: f64 = 1e-11;
 /// Inputs of the actuator that are outputs of the gear with the same name.
-const SHARED: [&str; 8] = [
-    "length",
-    "speed",
-    "reduced_mass",
-    "reduced_mass_derivative",
-    "holding_force",
-    "holding_force_derivative",
-    "lower_limit",
-    "upper_limit",
-];
+const SHARED: &str = "length speed reduced_mass reduced_mass_derivative holding_force holding_force_derivative \
+    lower_limit upper_limit";
 
 /// How a host exchanges values.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +54,7 @@ type Row = [f64; 5];
 fn retraction() -> Scene {
     let ramp = [Set::Circuit("command.ramp_amplitude", 0.65), Set::Circuit("command.ramp_time", 0.1)];
     let start = [Set::Switch("downstop.enabled", false)].into_iter().chain(ramp).collect();
-    Scene { gear: GEAR.into(), one: ONE.into(), start, later: Vec::new(), end: 3.8, sample: 0.1 }
+    Scene { gear: GEAR.into(), one: HYDRAULIC_GEAR.into(), start, later: Vec::new(), end: 3.8, sample: 0.1 }
 }
 
 /// The down lock holds the gear against the pressure.
@@ -74,9 +63,6 @@ fn locked() -> Scene {
     scene.start[0] = Set::Switch("downlock.engage", true);
     Scene { end: 1.0, ..scene }
 }
-
-host!(Mechanism, mechanism::Model);
-host!(Actuator, hydraulics::Model);
 
 /// Apply the changes up to this time.
 fn at(later: &[(f64, Set)], done: &mut usize, time: f64, mut set: impl FnMut(Set)) {
@@ -122,15 +108,6 @@ fn one_system(scene: &Scene) -> Vec<Row> {
     rows
 }
 
-/// Derivatives of orders 1 to 4 of the speed polynomial with values v and slopes a at both ends of a step and integral
-/// `way`.
-fn hermite([v, v_end]: [f64; 2], [a, a_end]: [f64; 2], way: f64, h: f64) -> [f64; 4] {
-    let (p, q, r) = (v_end - v - a * h, (a_end - a) * h, way / h - v - 0.5 * a * h);
-    let fourth = 30.0 * (r - 0.5 * p + q / 12.0);
-    let (third, second) = (q - 2.0 * p - 2.0 * fourth, 3.0 * p - q + fourth);
-    [a, 2.0 * second / h.powi(2), 6.0 * third / h.powi(3), 24.0 * fourth / h.powi(4)]
-}
-
 /// Gear and actuator in a host that makes these steps. If `announces`, the host sets `preview.horizon` to each step
 /// size, else to 0.
 fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool) -> Vec<Row> {
@@ -142,7 +119,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
         Set::Circuit(name, value) => oil.set(name, value),
     };
     let exchange = |gear: &mut Mechanism, oil: &mut Actuator| {
-        for name in SHARED.map(|name| format!("actuator.{name}")) {
+        for name in SHARED.split(' ').map(|name| format!("actuator.{name}")) {
             oil.set(&name, gear.get(&name));
         }
     };
@@ -183,7 +160,7 @@ fn pair(scene: &Scene, host: Host, steps: &dyn Fn(usize) -> f64, announces: bool
             gear.set("actuator.force", oil.get(name));
             if host != Host::Held {
                 let rate = oil.get("preview.force_rate");
-                gear.0.set_input_derivative(gear.reference("actuator.force"), 1, rate).unwrap();
+                gear.rate("actuator.force", 1, rate);
             }
             let accelerations = ["preview.start_acceleration", "preview.acceleration"].map(|name| oil.get(name));
             let [length, speed] = ["actuator.length", "actuator.speed"].map(|name| gear.get(name));
@@ -220,6 +197,16 @@ fn differences(rows: &[Row], of_one: &[Row]) -> [f64; 2] {
     largest
 }
 
+/// In these hosts with these steps the angle differs from that of the single system by less than these limits [rad].
+fn assert_near_one(what: &str, scene: &Scene, hosts: &[(Host, &[(f64, f64)])]) {
+    let of_one = one_system(scene);
+    for (host, h, most) in hosts.iter().flat_map(|(host, rows)| rows.iter().map(move |(h, most)| (*host, *h, *most))) {
+        let [angle, _] = differences(&pair(scene, host, &|_| h, true), &of_one);
+        println!("{what} {host:?} {h}: {angle:.1e} rad");
+        assert!(angle < most, "{what}, {host:?} {h}: {angle:e} rad");
+    }
+}
+
 const HOSTS: [Host; 4] = [Host::Held, Host::Line, Host::TwoPasses, Host::Late];
 
 /// At rest at the up stop under pressure: force and torque of the stop agree with the single system for every step
@@ -252,44 +239,33 @@ fn a_load_on_a_lock_is_that_of_one_system() {
 fn the_error_after_a_release_from_a_stop_is_that_of_a_free_motion() {
     let later = vec![(5.0, Set::Circuit("valve.command", -1.3))];
     let scene = Scene { later, end: 5.6, sample: 0.2, ..retraction() };
-    let of_one = one_system(&scene);
-    for (host, h, most) in [
-        (Host::Held, 1e-3, 1e-5),
-        (Host::Held, 1e-2, 1e-3),
-        (Host::Line, 1e-3, 1e-7),
-        (Host::Line, 1e-2, 3e-5),
-        (Host::TwoPasses, 1e-3, 1e-8),
-        (Host::TwoPasses, 1e-2, 1e-5),
-        (Host::Late, 1e-3, 1e-5),
-        (Host::Late, 1e-2, 1e-3),
-    ] {
-        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
-        println!("release {host:?} {h}: {angle:.1e} rad");
-        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
-    }
+    assert_near_one(
+        "release",
+        &scene,
+        &[
+            (Host::Held, &[(1e-3, 1e-5), (1e-2, 1e-3)]),
+            (Host::Line, &[(1e-3, 1e-7), (1e-2, 3e-5)]),
+            (Host::TwoPasses, &[(1e-3, 1e-8), (1e-2, 1e-5)]),
+            (Host::Late, &[(1e-3, 1e-5), (1e-2, 1e-3)]),
+        ],
+    );
 }
 
 /// The down lock releases the gear under full pressure. The error is as small as in a free motion.
 #[test]
 fn the_error_after_a_release_from_a_lock_is_that_of_a_free_motion() {
     let scene = Scene { later: vec![(0.4, Set::Switch("downlock.engage", false))], sample: 0.2, ..locked() };
-    let of_one = one_system(&scene);
-    for (host, h, most) in [
-        (Host::Held, 1e-3, 5e-5),
-        (Host::Held, 1e-2, 5e-3),
-        (Host::Line, 1e-3, 1e-7),
-        (Host::Line, 1e-2, 1e-5),
-        (Host::TwoPasses, 1e-3, 2e-8),
-        (Host::TwoPasses, 1e-2, 2e-5),
-        (Host::Late, 1e-3, 5e-5),
-        (Host::Late, 1e-2, 5e-3),
-        (Host::LateFed, 1e-3, 5e-5),
-        (Host::LateFed, 1e-2, 5e-3),
-    ] {
-        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
-        println!("lock lets go {host:?} {h}: {angle:.1e} rad");
-        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
-    }
+    assert_near_one(
+        "lock lets go",
+        &scene,
+        &[
+            (Host::Held, &[(1e-3, 5e-5), (1e-2, 5e-3)]),
+            (Host::Line, &[(1e-3, 1e-7), (1e-2, 1e-5)]),
+            (Host::TwoPasses, &[(1e-3, 2e-8), (1e-2, 2e-5)]),
+            (Host::Late, &[(1e-3, 5e-5), (1e-2, 5e-3)]),
+            (Host::LateFed, &[(1e-3, 5e-5), (1e-2, 5e-3)]),
+        ],
+    );
 }
 
 /// Random steps from 0.25 to 20 ms, with and without an announced horizon.
@@ -356,7 +332,7 @@ fn a_host_that_starts_with_zeros_is_followed() {
     let mut oil = Actuator(hydraulics::Model::from_json(ACTUATOR).unwrap());
     oil.0.initialize().unwrap();
     let start = oil.get("actuator.length");
-    SHARED.iter().for_each(|name| oil.set(&format!("actuator.{name}"), 0.0));
+    SHARED.split(' ').for_each(|name| oil.set(&format!("actuator.{name}"), 0.0));
     oil.set("preview.horizon", 0.0);
     oil.0.step(1e-3).unwrap();
     assert_eq!(oil.get("actuator.length"), start);
@@ -366,20 +342,17 @@ fn a_host_that_starts_with_zeros_is_followed() {
 #[test]
 fn a_bumper_is_reached_in_long_steps() {
     let bumper = r#""angle": -1.28, "rigid": false, "stiffness": 3e5, "damping": 1000, "flag""#;
-    let [gear, one] = [GEAR, ONE].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
+    let [gear, one] = [GEAR, HYDRAULIC_GEAR].map(|text| text.replace(r#""angle": -1.3, "flag""#, bumper));
     let scene = Scene { gear, one, end: 5.0, ..retraction() };
-    let of_one = one_system(&scene);
-    for (host, h, most) in [
-        (Host::TwoPasses, 1e-2, 5e-5),
-        (Host::TwoPasses, 2e-2, 2e-3),
-        (Host::Held, 2e-2, 3e-3),
-        (Host::Late, 1e-3, 5e-5),
-        (Host::Late, 5e-3, 1e-3),
-    ] {
-        let [angle, _] = differences(&pair(&scene, host, &|_| h, true), &of_one);
-        println!("bumper {host:?} {h}: {angle:.1e} rad");
-        assert!(angle < most, "{host:?} {h}: {angle:e} rad");
-    }
+    assert_near_one(
+        "bumper",
+        &scene,
+        &[
+            (Host::TwoPasses, &[(1e-2, 5e-5), (2e-2, 2e-3)]),
+            (Host::Held, &[(2e-2, 3e-3)]),
+            (Host::Late, &[(1e-3, 5e-5), (5e-3, 1e-3)]),
+        ],
+    );
 }
 
 /// The limit outputs of the gear's actuator are its lengths at the stops, or the present length while a stop or lock

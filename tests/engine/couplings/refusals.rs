@@ -1,5 +1,5 @@
 //! Invalid couplings are rejected and doubtful ones reported as warnings, with the key in the message.
-use super::{GEARS, five_bar, shafts};
+use super::{FIVE_BAR, GEARS, shafts};
 use crate::support::{Run, assert_rejected, assert_says, changed, refusal, replaced};
 use serde_json::json;
 
@@ -12,7 +12,7 @@ fn impossible_couplings_are_rejected() {
 
 #[test]
 fn the_other_formulation_names_the_coupling() {
-    let text = changed(five_bar(), |m| {
+    let text = changed(FIVE_BAR, |m| {
         m["solver"] = json!({ "method": "rigid_fem", "tolerance": 1e-9, "fem_step": 1e-5 });
         for body in ["one", "two", "rod", "bar"] {
             m["bodies"][body]["axial_stiffness"] = json!(1e9);

@@ -7,9 +7,7 @@ use crate::support::{Run, Vec2};
 fn check_shafts(coupling: &str, ratio: f64, arm: f64) -> (Run, f64) {
     let mut run = Run::new(shafts(coupling)).started();
     let acceleration = (3.0 - ratio) / (0.02 + ratio * ratio * 0.5);
-    for _ in 0..10 {
-        run.step(0.05);
-    }
+    run.steps(10, 0.5);
     let t = 0.5;
     let angle = 0.4 + 0.5 * acceleration * t * t;
     assert_near(run.get("one.acceleration"), acceleration, acceleration.abs(), "acceleration");

@@ -1,5 +1,5 @@
 //! Couplings in a linkage: a rack, a planetary gear, trains, a geared five-bar.
-use super::{GEARS, assert_near, five_bar, shafts};
+use super::{FIVE_BAR, GEARS, assert_near, shafts};
 use crate::support::{Run, Vec2, assert_says, changed};
 use linkage_fmu::mechanism::definition::Mechanism;
 use linkage_fmu::mechanism::reduced::Reduced;
@@ -32,9 +32,7 @@ fn a_wheel_rolls_down_a_slope() {
     for second_is_rack in [false, true] {
         let sign = if second_is_rack { -1.0 } else { 1.0 };
         let mut run = Run::new(rolling(slope, second_is_rack)).started();
-        for _ in 0..40 {
-            run.step(0.1);
-        }
+        run.steps(40, 4.0);
         let travelled = 0.5 * acceleration * 16.0;
         assert!((run.get("path.position") - 0.1 - sign * travelled).abs() < 1e-8 * travelled);
         assert_near(run.get("path.acceleration"), sign * acceleration, acceleration, "acceleration");
@@ -91,9 +89,7 @@ fn a_planetary_gear_obeys_willis() {
         let count = planets as f64;
         let inertia = 0.01 + arm * arm * (0.2 + count * 0.7 * 0.01) + count * 0.003 * planet * planet;
         let acceleration = (5.0 - 12.0 * arm) / inertia;
-        for _ in 0..20 {
-            run.step(0.1);
-        }
+        run.steps(20, 2.0);
         let speed = run.get("sun.speed");
         assert!((speed - 2.0 * acceleration).abs() < 1e-8 * speed);
         assert_near(run.get("sun.acceleration"), acceleration, acceleration, "acceleration");
@@ -134,9 +130,7 @@ fn a_train_passes_on_the_product_of_its_ratios() {
     let mut run = Run::new(&text).started();
     let (i2, i3) = (-17.0 / 43.0, 17.0 / 43.0 * 5.0 / 8.0);
     let acceleration = (3.0 - i2) / (0.02 + i2 * i2 * 0.5 + i3 * i3 * 0.3);
-    for _ in 0..10 {
-        run.step(1.0);
-    }
+    run.steps(10, 10.0);
     assert_near(run.get("one.acceleration"), acceleration, acceleration, "acceleration");
     let turned = run.get("one.angle") - 0.4;
     assert!((turned - 50.0 * acceleration).abs() < 1e-8 * turned);
@@ -155,9 +149,7 @@ fn a_train_with_an_irrational_ratio_turns_without_end() {
     let mut run = Run::new(&definition).started();
     let ratio = -1.0 / 2f64.sqrt();
     let acceleration = (3.0 - ratio) / (0.02 + 0.5 * ratio * ratio);
-    for _ in 0..100 {
-        run.step(1.0);
-    }
+    run.steps(100, 100.0);
     let turned = run.get("one.angle") - 0.4;
     assert!((turned - 0.5 * acceleration * 1e4).abs() < 1e-7 * turned);
     assert!((run.get("two.angle") - 1.1 - ratio * turned).abs() < 1e-13 * turned, "after {} revolutions", turned / TAU);
@@ -190,8 +182,7 @@ fn an_open_train_ends_where_angles_have_too_few_digits() {
 
 #[test]
 fn a_geared_five_bar_balances_each_body() {
-    let definition = five_bar();
-    let mut run = Run::new(&definition).started();
+    let mut run = Run::new(FIVE_BAR).started();
     run.set("motor.torque", 4.0);
     run.set("push.force_x", 30.0);
     for step in 0..60 {

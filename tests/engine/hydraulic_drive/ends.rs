@@ -24,11 +24,7 @@ fn the_piston_rests_on_the_end_of_its_cylinder() {
         let mut gear = extension(restitution);
         gear.steps(50, 5.0);
         assert_eq!(gear.get("crank.speed"), 0.0);
-        assert!(
-            (gear.get("cylinder.stroke_position") - 0.31).abs() < 1e-12,
-            "{}",
-            gear.get("cylinder.stroke_position")
-        );
+        gear.near("cylinder.stroke_position", 0.31, 1e-12);
         let [oil, end, load] =
             ["actuator.force", "cylinder.end_force", "actuator.holding_force"].map(|name| gear.get(name));
         assert!(end < -2e4 && (oil + end - load).abs() < 1e-9 * oil, "{oil} {end} {load}");

@@ -102,11 +102,7 @@ fn a_release_by_a_drive_with_losses_or_by_the_wind_is_located() {
             // The excess force is a parabola that grows from 0 to its peak over `half`.
             let lift = if input == "airspeed" { 1.2 * area * speed * surplus } else { efficiency * surplus };
             let expected = lift * half * (2.0 / 3.0);
-            let v = run.get("slide.speed");
-            assert!(
-                (v - expected).abs() < (0.2 * surplus + 1e-6) * expected + 1e-15,
-                "{input} {surplus}: {v} {expected}"
-            );
+            run.near("slide.speed", expected, (0.2 * surplus + 1e-6) * expected + 1e-15);
             // At the end of the whole step the block is at rest again, after a flight.
             let mut run = Run::new(&definition).started();
             set(&mut run, 0.0);

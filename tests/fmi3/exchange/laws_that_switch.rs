@@ -1,5 +1,5 @@
 //! Model exchange of laws that switch: detents, points of a slot, friction in joints that turn back, integral parts.
-use super::{changes, check_slopes, indicators, integrate, present, rates, started, states};
+use super::{assert_same, both, changes, check_slopes, indicators, integrate, present, rates, started, states};
 use linkage_fmu::fmi3::types::Status;
 use linkage_fmu::simulation::Simulation;
 use std::f64::consts::PI;
@@ -62,9 +62,7 @@ fn a_detent_releases_and_points_of_a_slot_are_passed_at_events() {
 fn friction_changes_its_direction_at_an_event() {
     for enabled in [false, true] {
         let text = TURNING.replace("\"enabled\": false", &format!("\"enabled\": {enabled}"));
-        let fmu = started(&text);
-        let mut run = Simulation::open(&text).unwrap();
-        run.initialize().unwrap();
+        let (fmu, mut run) = both(&text);
         for k in 1..=60 {
             let before = fmu.get(["crank.angle"])[0];
             let count = integrate(&fmu, 0.02, if enabled { 1e-4 } else { 1e-3 }).len();
@@ -89,19 +87,14 @@ fn friction_changes_its_direction_at_an_event() {
 /// passes 0, which is an event.
 #[test]
 fn teeth_change_flanks_at_an_event() {
-    let fmu = started(TEETH);
-    let mut run = Simulation::open(TEETH).unwrap();
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(TEETH);
     let mut changed = 0;
     for k in 1..=8 {
         let before = fmu.get(["mesh.transmitted_force"])[0];
         let count = integrate(&fmu, 0.01, 1e-4).len();
         run.step(0.01).unwrap();
-        let values = fmu.get(["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"]);
-        let exact = ["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"];
-        for (value, exact) in values.into_iter().zip(exact.map(|name| run.get(name).unwrap())) {
-            assert!((value - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{k}: {value} {exact}");
-        }
+        let names = ["one.angle", "one.speed", "mesh.transmitted_force", "b.friction_torque"];
+        let values = assert_same(&fmu, &mut run, names, 1e-8);
         let changes = before * values[2] < 0.0;
         assert!(!changes || count > 0, "{k}: {count} events");
         changed += u32::from(changes);
@@ -113,21 +106,15 @@ fn teeth_change_flanks_at_an_event() {
 /// integral part is a state, the block breaks away and sticks at events, and the motion is that of co-simulation.
 #[test]
 fn an_integral_part_is_exchanged() {
-    let fmu = started(INTEGRATING);
-    let mut run = Simulation::open(INTEGRATING).unwrap();
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(INTEGRATING);
     let names = ["slide.position", "slide.speed", "motor.integral_force", "motor.integral_force_rate"];
     let (mut stuck, mut slipped, mut reversed) = (0, 0, false);
     for k in 1..=42 {
         let count = integrate(&fmu, 0.05, 1e-4).len();
         run.step(0.05).unwrap();
-        let (values, exact) = (fmu.get(names), names.map(|name| run.get(name).unwrap()));
         // At the reversal friction jumps by 6 m/s2 within one step of this method.
-        reversed |= slipped > 0 && exact[1] >= 0.0;
-        let allowed = if reversed { 1e-2 } else { 1e-8 };
-        for (value, exact) in values.into_iter().zip(exact) {
-            assert!((value - exact).abs() < allowed * (1.0 + exact.abs()), "{k}: {value} {exact}, {count} events");
-        }
+        reversed |= slipped > 0 && run.get("slide.speed").unwrap() >= 0.0;
+        let values = assert_same(&fmu, &mut run, names, if reversed { 1e-2 } else { 1e-8 });
         assert_eq!(present(&fmu)[2], values[2]);
         // Where it breaks away again, after a time of which the solver knows nothing.
         assert!(k != 19 || count == 1, "{count} events");
@@ -165,19 +152,14 @@ fn an_integral_part_is_exchanged() {
 fn a_delayed_force_is_exchanged() {
     let delay = "\"integral_gain\": 400, \"force_time_constant\": 0.02, \"max_force_rate\": 70, \"start_force\": 0,";
     let text = INTEGRATING.replace("\"integral_gain\": 400,", delay).replace("-0.1", "0.3");
-    let fmu = started(&text);
-    let mut run = Simulation::open(&text).unwrap();
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(&text);
     let names =
         ["slide.position", "slide.speed", "motor.integral_force", "motor.acting_force", "motor.acting_force_rate"];
     let (mut limited, mut stuck, mut events, mut slopes) = ([0; 2], 0, 0, 0);
-    for k in 1..=15 {
+    for _ in 0..15 {
         events += integrate(&fmu, 0.05, 5e-5).len();
         run.step(0.05).unwrap();
-        let (values, exact) = (fmu.get(names), names.map(|name| run.get(name).unwrap()));
-        for (value, exact) in values.into_iter().zip(exact) {
-            assert!((value - exact).abs() < 1e-6 * (1.0 + exact.abs()), "{k}: {values:?} {exact}");
-        }
+        let values = assert_same(&fmu, &mut run, names, 1e-6);
         assert_eq!(present(&fmu)[2..], values[2..4]);
         stuck += usize::from(values[1] == 0.0);
         let is_limited = values[4].abs() == 70.0;
@@ -244,16 +226,13 @@ fn a_conveyor_is_exchanged() {
         "static_coefficient": 0.4, "kinetic_coefficient": 0.2, "static_speed": 0.1, "kinetic_speed": 0.6 },
         "start": { "joint": "slide", "position": 0 }"#,
     );
-    let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(&text);
     let mut count = 0;
     for _ in 0..10 {
         count += integrate(&fmu, 0.1, 5e-4).len();
         run.step(0.1).unwrap();
-        for name in ["slide.position", "slide.speed", "slide.slip_speed", "slide.surface_power"] {
-            let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());
-            assert!((value - exact).abs() < 1e-8 * (1.0 + exact.abs()), "{name}: {value} {exact}");
-        }
+        let names = ["slide.position", "slide.speed", "slide.slip_speed", "slide.surface_power"];
+        assert_same(&fmu, &mut run, names, 1e-8);
     }
     assert_eq!(count, 2);
 }
@@ -269,8 +248,7 @@ fn a_conveyor_that_holds_its_parcel_is_exchanged() {
         "springs": { "spring": { "joint": "slide", "stiffness": 50 } }, "forces": { "pull": { "at": "block.origin" } },
         "start": { "joint": "slide", "position": 0 }"#,
     );
-    let (fmu, mut run) = (started(&text), Simulation::open(&text).unwrap());
-    run.initialize().unwrap();
+    let (fmu, mut run) = both(&text);
     run.model_mut().listen(true, false);
     let (mut count, mut reported) = (0, 0);
     let all = ["slide.position", "slide.speed", "slide.slip_speed", "slide.friction_force", "slide.surface_power"];
@@ -290,10 +268,7 @@ fn a_conveyor_that_holds_its_parcel_is_exchanged() {
         count += integrate(&fmu, 0.2, 5e-4).len();
         run.step(0.2).unwrap();
         reported += run.model_mut().take_occurrences(0.0).len();
-        for name in all {
-            let ([value], exact) = (fmu.get([name]), run.get(name).unwrap());
-            assert!((value - exact).abs() < 1e-7 * (1.0 + exact.abs()), "{k} {name}: {value} {exact}");
-        }
+        assert_same(&fmu, &mut run, all, 1e-7);
     }
     assert_eq!((count, reported), (7, 7));
 }

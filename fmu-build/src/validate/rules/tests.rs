@@ -4,29 +4,8 @@ use crate::xml::fmi3;
 use fmu_cli::Naming;
 use linkage_fmu::component::Component;
 
-const SECOND: &str = "<fmiModelDescription fmiVersion=\"2.0\" guid=\"{1}\"><CoSimulation modelIdentifier=\"ab\"/>\
-    <UnitDefinitions><Unit name=\"rad\"><DisplayUnit name=\"deg\"/></Unit></UnitDefinitions>\
-    <TypeDefinitions><SimpleType name=\"t\"/></TypeDefinitions>\
-    <LogCategories><Category name=\"logAll\"/></LogCategories>\
-    <DefaultExperiment startTime=\"0\" stopTime=\"1\" stepSize=\"0.1\"/><ModelVariables>\
-    <ScalarVariable name=\"p\" valueReference=\"0\" causality=\"parameter\" variability=\"fixed\" \
-    initial=\"exact\">\
-    <Real min=\"0\" max=\"2\" start=\"1\"/></ScalarVariable>\
-    <ScalarVariable name=\"u\" valueReference=\"1\" causality=\"input\" variability=\"continuous\">\
-    <Real unit=\"rad\" displayUnit=\"deg\" nominal=\"1\" start=\"0\"/></ScalarVariable>\
-    <ScalarVariable name=\"y\" valueReference=\"2\" causality=\"output\" variability=\"continuous\" \
-    initial=\"calculated\"><Real derivative=\"2\"/></ScalarVariable>\
-    <ScalarVariable name=\"b\" valueReference=\"3\" causality=\"local\" variability=\"discrete\">\
-    <Enumeration declaredType=\"t\"/></ScalarVariable></ModelVariables><ModelStructure><Outputs>\
-    <Unknown index=\"3\" dependencies=\"2\" dependenciesKind=\"dependent\"/></Outputs><InitialUnknowns>\
-    <Unknown index=\"3\" dependencies=\"1 2\"/></InitialUnknowns></ModelStructure></fmiModelDescription>";
-const THIRD: &str = "<fmiModelDescription fmiVersion=\"3.0\" instantiationToken=\"{1}\">\
-    <CoSimulation modelIdentifier=\"ab\"/><ModelVariables>\
-    <Float64 name=\"u\" valueReference=\"0\" causality=\"input\" start=\"0\"/>\
-    <Float64 name=\"y\" valueReference=\"1\" causality=\"output\" initial=\"calculated\"/>\
-    <Float64 name=\"time\" valueReference=\"2\" causality=\"independent\" variability=\"continuous\"/>\
-    </ModelVariables><ModelStructure><Output valueReference=\"1\" dependencies=\"0\"/>\
-    <InitialUnknown valueReference=\"1\"/></ModelStructure></fmiModelDescription>";
+const SECOND: &str = include_str!("second.xml");
+const THIRD: &str = include_str!("third.xml");
 
 #[test]
 fn each_rule_is_checked() {

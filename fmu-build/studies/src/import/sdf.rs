@@ -6,95 +6,17 @@ use super::couple::Ratio;
 use super::masses::{Part, in_space, symmetric};
 use super::spatial::{Acting, Drive, Hinge, SAME, Solid, Space, Spring, add, after, turned, unit};
 use super::urdf::{Frame, of_angles};
-use super::xml::{Element, Fate, Row, rejected, unread};
-use Fate::{LeftOut, NoEffect, Read, Rejected};
+use super::xml::{Element, Row, rejected, table, unread};
 use anyhow::{Context, Result, bail, ensure};
+use std::sync::LazyLock;
 
-const CONTROL: &str = "controllers and motor limits are not parts of the mechanism";
-const SOFT: &str = "stops in the definition are rigid; you can replace a stop by a bumper";
 /// Limits of at least this size are no limits.
 const ENDLESS: f64 = 1e16;
 /// Largest number of frames that are stated relative to one another.
 const DEEPEST: usize = 100;
 
 /// Treatment of each element and attribute.
-#[rustfmt::skip]
-pub const TABLE: &[Row] = &[
-    ("sdf/world", "", Read, "the element contains the model and its gravity"),
-    ("world/gravity", "", Read, "`import` reads the gravity of the model, and uses its part in the plane of motion"),
-    ("sdf/model world/model", "", Read, "the one model that is not static becomes the mechanism"),
-    ("sdf/model world/model", "name", Read, "the attribute becomes the name of the mechanism"),
-    ("sdf/model world/model", "canonical_link", Read, "the attribute names the ground link, if no joint connects a \
-        link with the world"),
-    ("sdf/model world/model", "placement_frame", Rejected(""), "`import` does not support a placement frame: write \
-        the pose of the model frame instead"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "", Read, "`import` reads the position and \
-        orientation"),
-    ("model/pose link/pose joint/pose frame/pose inertial/pose", "degrees rotation_format", Read, "`import` reads \
-        the unit and format of the rotation in the pose"),
-    ("link/pose joint/pose frame/pose", "relative_to", Read, "`import` reads the name of the frame to which the pose \
-        refers"),
-    ("model/pose inertial/pose", "relative_to", Rejected(""), "this pose must refer to the world or to the link: \
-        remove `relative_to`"),
-    ("model/static", "", Read, "if true, all links of the model are part of the ground"),
-    ("model/frame", "", Read, "`import` reads the frame, to which poses can refer"),
-    ("model/frame", "name attached_to", Read, "`import` reads the name of the frame, and the element to which the \
-        frame is fixed"),
-    ("model/link", "", Read, "the link becomes a body"),
-    ("model/link", "name", Read, "`import` reads the name of the link"),
-    ("link/gravity", "", Read, "with the value `false`, a constant force carries the weight of the link"),
-    ("link/inertial", "", Read, "`import` reads the mass, centre and moment of inertia of the body"),
-    ("link/inertial", "auto", Rejected("false"), "`import` does not compute masses from shapes: write the elements \
-        `mass` and `inertia`"),
-    ("inertial/mass inertial/inertia", "", Read, "`import` reads the mass and the moments of inertia"),
-    ("inertia/ixx inertia/iyy inertia/izz inertia/ixy inertia/ixz inertia/iyz", "", Read, "`import` reads the \
-        moments of inertia"),
-    ("inertial/fluid_added_mass", "", Rejected(""), "`import` cannot convert a surrounding medium: remove this \
-        element"),
-    ("link/collision", "", LeftOut, "bodies can pass through each other"),
-    ("link/kinematic link/must_be_base_link", "", LeftOut, "the body moves as its joints allow"),
-    ("link/visual link/sensor link/light link/self_collide link/enable_wind link/velocity_decay link/audio_sink \
-        link/audio_source link/battery link/projector link/particle_emitter", "", NoEffect, "the entry is used only \
-        for drawing, sensors, contacts or numerical damping"),
-    ("model/joint", "", Read, "the element becomes a revolute or prismatic joint, also in a closed loop of links; \
-        `import` rejects other types"),
-    ("model/joint", "name type", Read, "`import` reads the name and type of the joint (`revolute`, `continuous`, \
-        `prismatic` or `fixed`)"),
-    ("joint/parent joint/child", "", Read, "`import` reads the bodies of the joint; `world` is the ground"),
-    ("joint/axis", "", Read, "`import` reads the axis, limits, spring and damper"),
-    ("joint/axis2 joint/gearbox_ratio joint/gearbox_reference_body joint/thread_pitch \
-        joint/screw_thread_pitch", "", Rejected(""),
-        "`import` does not support joints with two axes, gearboxes and screws: write joints with one `axis`, and \
-         couple them with `mimic`"),
-    ("axis/xyz", "", Read, "`import` reads the direction of the axis"),
-    ("axis/xyz", "expressed_in", Read, "`import` reads the frame to which the direction of the axis refers"),
-    ("axis/use_parent_model_frame", "", Read, "the direction of the axis refers to the model frame"),
-    ("axis/limit", "", Read, "the limits become two rigid stops, except for `continuous`"),
-    ("limit/lower limit/upper", "", Read, "`import` reads the limits of the joint"),
-    ("limit/effort limit/velocity", "", LeftOut, "the force, torque and speed of a drive have no limits in the \
-        definition"),
-    ("limit/stiffness limit/dissipation", "", NoEffect, SOFT),
-    ("axis/dynamics", "", Read, "the element becomes a spring with a damper"),
-    ("dynamics/damping dynamics/spring_stiffness dynamics/spring_reference", "", Read, "`import` reads the damping, \
-        the stiffness, and the angle or position at which the spring has no force"),
-    ("dynamics/friction", "", Read, "`import` reads the constant friction of the joint"),
-    ("axis/mimic", "", Read, "the element becomes a coupling by gears or a rack, with the ratio `multiplier`, the \
-        `reference` and the `offset`"),
-    ("axis/mimic", "joint axis", Read, "`import` reads the name of the joint that drives this joint"),
-    ("mimic/multiplier mimic/offset mimic/reference", "", Read, "`import` reads the ratio, the offset and the \
-        reference value of the coupling"),
-    ("axis/initial_position", "", LeftOut, "the start position is the position of the bodies in the file"),
-    ("joint/physics joint/sensor", "", NoEffect, "the entry is a setting of a solver or sensor, which `import` does \
-        not need"),
-    ("model/model model/include world/include", "", Rejected(""), "`import` does not read nested and included models: \
-        write the links and joints into one model (`gz sdf -p FILE` prints included models)"),
-    ("model/plugin world/plugin world/actor", "", LeftOut, CONTROL),
-    ("model/self_collide model/allow_auto_disable model/enable_wind model/gripper", "", NoEffect, "the entry is used \
-        only for contacts or by the numerical method"),
-    ("world/physics world/light world/scene world/gui world/atmosphere world/wind world/magnetic_field world/audio \
-        world/spherical_coordinates world/road world/population world/state world/frame world/joint \
-        sdf/light", "", NoEffect, "the entry is used only for drawing or by the numerical method"),
-];
+pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| table(include_str!("sdf.json")));
 
 struct Model<'a> {
     root: &'a Element,
@@ -115,7 +37,7 @@ pub fn of_sdf(name: &str, text: &str) -> Result<Space> {
 /// As for a text.
 pub fn read(name: &str, root: &Element) -> Result<Space> {
     ensure!(root.tag == "sdf", "{}: SDF starts with <sdf>", root.at());
-    rejected(root, TABLE, &str::to_owned)?;
+    rejected(root, &TABLE, &str::to_owned)?;
     let world = root.child("world");
     let models: Vec<&Element> = root.all("model").chain(world.iter().flat_map(|world| world.all("model"))).collect();
     let is_static =
@@ -199,7 +121,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         hinge.acting.drives.push(Drive::default());
         space.notes.push(format!("the file names no drive: the import adds a drive in the joint {}", hinge.name));
     }
-    space.notes.extend(unread(root, TABLE, &str::to_owned)?);
+    space.notes.extend(unread(root, &TABLE, &str::to_owned)?);
     Ok(space)
 }
 

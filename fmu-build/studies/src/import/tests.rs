@@ -75,7 +75,7 @@ fn mjcf_is_read_as_in_its_table() {
     }
     // Included files are part of the document when it is read.
     read.insert("mujoco/include file".to_owned());
-    compare(&read, mjcf::TABLE);
+    compare(&read, &mjcf::TABLE);
 }
 
 #[test]
@@ -96,8 +96,8 @@ fn urdf_and_sdf_are_read_as_in_their_tables() {
             root.read(&str::to_owned, &mut read[1]);
         }
     }
-    compare(&read[0], urdf::TABLE);
-    compare(&read[1], sdf::TABLE);
+    compare(&read[0], &urdf::TABLE);
+    compare(&read[1], &sdf::TABLE);
 }
 
 /// Every element and attribute of MuJoCo has a row, or is in an element that is not read.
@@ -108,9 +108,9 @@ fn mjcf_has_a_row_for_all_that_mujoco_has() {
         let (path, names) = line.split_once(':').unwrap();
         let tags: Vec<&str> = path.split('/').collect();
         let keys: Vec<String> = tags.windows(2).map(|two| format!("{}/{}", mjcf::group(two[0]), two[1])).collect();
-        let ends = keys.iter().any(|key| row(mjcf::TABLE, key, "").is_some_and(|row| row.2 != Fate::Read));
+        let ends = keys.iter().any(|key| row(&mjcf::TABLE, key, "").is_some_and(|row| row.2 != Fate::Read));
         if let (false, Some(key)) = (ends, keys.last()) {
-            let known = |name: &&str| row(mjcf::TABLE, key, name).is_none();
+            let known = |name: &&str| row(&mjcf::TABLE, key, name).is_none();
             missing.extend(
                 [""].into_iter().chain(names.split_whitespace()).filter(known).map(|name| format!("{path} {name}")),
             );
@@ -147,7 +147,7 @@ fn the_page_has_the_tables() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/reference/imported-formats.md");
     let page = std::fs::read_to_string(&path).unwrap();
     let mut own = page.clone();
-    for (name, table) in [("MJCF", mjcf::TABLE), ("URDF", urdf::TABLE), ("SDF", sdf::TABLE)] {
+    for (name, table) in [("MJCF", &mjcf::TABLE), ("URDF", &urdf::TABLE), ("SDF", &sdf::TABLE)] {
         let (before, rest) = own.split_once(&format!("<!-- table: {name} -->\n")).unwrap();
         let (_, after) = rest.split_once("<!-- end of table -->").unwrap();
         own = format!("{before}<!-- table: {name} -->\n{}<!-- end of table -->{after}", written(table));

@@ -6,50 +6,15 @@ use super::couple::Ratio;
 use super::masses::{Part, in_space, symmetric};
 use super::spatial::{Acting, Drive, Hinge, Rotation, SAME, Solid, Space, Spring, Vector};
 use super::spatial::{about, add, after, turned, unit};
-use super::xml::{Element, Fate, Row, unread};
-use Fate::{LeftOut, NoEffect, Read};
+use super::xml::{Element, Row, table, unread};
 use anyhow::{Context, Result, bail, ensure};
+use std::sync::LazyLock;
 
 /// A position and a rotation in space.
 pub type Frame = (Vector, Rotation);
 
-const CONTROL: &str = "controllers and motor limits are not parts of the mechanism";
-
 /// Treatment of each element and attribute.
-#[rustfmt::skip]
-pub const TABLE: &[Row] = &[
-    ("robot/link", "", Read, "the link becomes a body; the link that no joint moves is the ground"),
-    ("robot/link", "name", Read, "`import` reads the name of the link"),
-    ("link/inertial", "", Read, "`import` reads the mass, centre and moment of inertia of the body"),
-    ("inertial/origin", "", Read, "`import` reads the centre of mass, and the directions of the moments of inertia"),
-    ("inertial/origin joint/origin", "xyz rpy", Read, "`import` reads the position and orientation"),
-    ("inertial/mass", "", Read, "`import` reads the mass of the body"),
-    ("inertial/mass", "value", Read, "`import` reads the mass of the body"),
-    ("inertial/inertia", "", Read, "`import` reads the moments of inertia"),
-    ("inertial/inertia", "ixx iyy izz ixy ixz iyz", Read, "`import` reads the moments of inertia"),
-    ("link/visual robot/material", "", NoEffect, "the entry is used only for drawing"),
-    ("link/collision", "", LeftOut, "links of the definition can pass through each other"),
-    ("robot/joint", "", Read, "the element becomes a revolute or prismatic joint; `import` rejects other types"),
-    ("robot/joint", "name type", Read, "`import` reads the name and type of the joint (`revolute`, `continuous`, \
-        `prismatic` or `fixed`)"),
-    ("joint/origin", "", Read, "`import` reads the position and orientation of the child link"),
-    ("joint/parent joint/child", "", Read, "`import` reads the two bodies that the joint connects"),
-    ("joint/parent joint/child", "link", Read, "`import` reads the two bodies that the joint connects"),
-    ("joint/axis", "", Read, "`import` reads the axis of the joint"),
-    ("joint/axis", "xyz", Read, "`import` reads the axis of the joint"),
-    ("joint/mimic", "", Read, "the element becomes a coupling by gears or a rack"),
-    ("joint/mimic", "joint multiplier offset", Read, "`import` reads the name of the joint that drives this joint, \
-        the ratio and the offset"),
-    ("joint/dynamics", "", Read, "the element becomes a damper"),
-    ("joint/dynamics", "damping", Read, "`import` reads the damping of the joint"),
-    ("joint/dynamics", "friction", Read, "`import` reads the constant friction of the joint"),
-    ("joint/limit", "", Read, "the limits become two rigid stops, except for `continuous`"),
-    ("joint/limit", "lower upper", Read, "`import` reads the limits of the joint"),
-    ("joint/limit", "effort velocity", LeftOut, "the force, torque and speed of a drive have no limits in the \
-        definition"),
-    ("joint/safety_controller joint/calibration", "", LeftOut, CONTROL),
-    ("robot/transmission robot/gazebo robot/ros2_control", "", LeftOut, CONTROL),
-];
+pub static TABLE: LazyLock<Vec<Row>> = LazyLock::new(|| table(include_str!("urdf.json")));
 
 /// A mechanism in URDF.
 ///
@@ -139,7 +104,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
         space.ratios.push(Ratio { first, second, ratio, offset });
         space.hinges[first].acting.drives.clear();
     }
-    space.notes.extend(unread(root, TABLE, &str::to_owned)?);
+    space.notes.extend(unread(root, &TABLE, &str::to_owned)?);
     Ok(space)
 }
 

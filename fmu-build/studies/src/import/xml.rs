@@ -4,6 +4,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use roxmltree::{Document, Error, Node};
+use serde::Deserialize;
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -27,7 +28,7 @@ pub struct Element {
 }
 
 /// Treatment of an attribute, or of an element with its contents.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 pub enum Fate {
     /// The importer reads it.
     Read,
@@ -42,6 +43,11 @@ pub enum Fate {
 /// A row of the table of a format: elements `parent/tag` (or `parent/*`), attributes (empty: the elements themselves),
 /// their treatment, and a description.
 pub type Row = (&'static str, &'static str, Fate, &'static str);
+
+/// The table of a format from its file. The page of the reference is written from the tables.
+pub fn table(file: &'static str) -> Vec<Row> {
+    serde_json::from_str(file).expect("a table of the program is JSON")
+}
 
 impl Element {
     /// Parse a text. `file` is empty or the name of an included file.

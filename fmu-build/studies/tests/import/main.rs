@@ -1,10 +1,14 @@
 //! `cargo fmu import`: each format as its program writes it, compared with the same mechanism as a manual definition.
 #![allow(clippy::unwrap_used)]
 
+#[allow(dead_code)]
+#[path = "../../../../tests/support/definition.rs"]
+mod definition;
 mod left_out;
 mod mujoco;
 mod written;
 
+use definition::With;
 use fmu_studies::import::{Form, import};
 use linkage_fmu::component::{Component, Linearisation};
 use linkage_fmu::simulation::Simulation;
@@ -19,24 +23,10 @@ const PMKS: &str =
 
 fn slider_crank() -> Value {
     let rod = f64::hypot(0.28, 0.06);
-    json!({
-        "name": "ByHand",
-        "bodies": {
-            "ground": {},
-            "crank": { "length": 0.1, "mass": 1, "center": [0.05, 0], "inertia": 0.0025 },
-            "rod": { "length": rod, "mass": 1, "center": [0.5 * rod, 0], "inertia": 0.25 * rod * rod },
-            "slider": { "mass": 1 }
-        },
-        "joints": {
-            "bearing": { "type": "revolute", "first": "ground.origin", "second": "crank.origin" },
-            "pin": { "type": "revolute", "first": "crank.end", "second": "rod.origin" },
-            "wrist": { "type": "revolute", "first": "rod.end", "second": "slider.origin" },
-            "guide": { "type": "prismatic", "first": "ground.origin", "second": "slider.origin" }
-        },
-        "actuators": { "motor": { "joint": "bearing", "torque": 0 } },
-        "start": { "body": "crank", "angle": f64::atan2(0.06, 0.08) },
-        "guess": { "crank": f64::atan2(0.06, 0.08), "rod": f64::atan2(-0.06, 0.28), "guide": 0.36 }
-    })
+    let crank = json!({ "length": 0.1, "mass": 1, "center": [0.05, 0], "inertia": 0.0025 });
+    let rod = json!({ "length": rod, "mass": 1, "center": [0.5 * rod, 0], "inertia": 0.25 * rod * rod });
+    let motor = json!({ "actuators": { "motor": { "joint": "bearing", "torque": 0 } } });
+    definition::slider_crank([crank, rod, json!({ "mass": 1 })], f64::atan2(0.06, 0.08)).with(motor)
 }
 
 /// Values of variables of a definition after a motion with an input.
@@ -138,27 +128,7 @@ fn pyslvs_and_a_table() {
 }
 
 /// The slider-crank in the vertical xz plane. Its rod is a capsule, its slider has a damped slide with a spring.
-const MJCF: &str = r#"<mujoco model="crank">
-  <compiler angle="radian"/>
-  <option gravity="0 0 -9.81"/>
-  <worldbody>
-    <body name="crank" pos="0 0 0">
-      <joint name="bearing" type="hinge" axis="0 -1 0"/>
-      <inertial pos="0.04 0 0.03" mass="1.5" diaginertia="0.001 0.002 0.001"/>
-      <body name="rod" pos="0.08 0 0.06">
-        <joint name="pin" axis="0 1 0"/>
-        <geom type="capsule" fromto="0 0 0 0.28 0 -0.06" size="0.01" density="2000"/>
-      </body>
-    </body>
-    <body name="slider" pos="0.36 0 0">
-      <joint name="guide" type="slide" axis="1 0 0" damping="3" stiffness="40" springref="0.02"/>
-      <geom type="box" size="0.02 0.02 0.02" mass="0.7"/>
-      <site name="mark"/>
-    </body>
-  </worldbody>
-  <equality><connect body1="rod" body2="slider" anchor="0.28 0 -0.06"/></equality>
-  <actuator><motor joint="bearing"/></actuator>
-</mujoco>"#;
+const MJCF: &str = include_str!("crank.mjcf");
 
 #[test]
 fn mjcf() {
@@ -208,16 +178,7 @@ fn mjcf() {
 }
 
 /// A pendulum with a bob fixed to it, rotated by its origins.
-const URDF: &str = r#"<robot name="pendulum">
-  <link name="base"/>
-  <link name="arm"><inertial><origin xyz="0 0 -0.2"/><mass value="0.5"/>
-    <inertia ixx="0.01" iyy="0.02" izz="0.001"/></inertial></link>
-  <link name="bob"><inertial><mass value="2"/><inertia ixx="0.003" iyy="0.003" izz="0.003"/></inertial></link>
-  <joint name="swing" type="revolute"><parent link="base"/><child link="arm"/><origin xyz="0.1 0 1" rpy="0 0.4 0"/>
-    <axis xyz="0 1 0"/><limit lower="-1" upper="2" effort="1" velocity="1"/><dynamics damping="0.05"/></joint>
-  <joint name="weld" type="fixed"><parent link="arm"/><child link="bob"/>
-    <origin xyz="0 0 -0.4" rpy="1.5708 0 0"/></joint>
-</robot>"#;
+const URDF: &str = include_str!("pendulum.urdf");
 
 #[test]
 fn urdf() {

@@ -145,24 +145,6 @@ fn a_full_disk_loses_nothing() {
     }
 }
 
-/// Largest memory of a study [kB].
-#[cfg(target_os = "linux")]
-fn memory(study: &Path, out: &Path) -> u64 {
-    let mut child = start(study, out, &["--csv", "--threads", "2"]);
-    let mut most = 0;
-    let status = loop {
-        let process = fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap_or_default();
-        let peak = process.lines().find_map(|line| line.strip_prefix("VmHWM:")?.split_whitespace().next());
-        most = most.max(peak.map_or(0, |peak| peak.parse().unwrap()));
-        if let Some(status) = child.try_wait().unwrap() {
-            break status;
-        }
-        thread::sleep(Duration::from_millis(1));
-    };
-    assert!(status.success());
-    most
-}
-
 #[cfg(target_os = "linux")]
 #[test]
 #[ignore = "makes 1e6 runs: cargo test --release -p fmu-studies --test sweep -- --ignored --nocapture"]
@@ -170,7 +152,7 @@ fn memory_does_not_grow_with_the_runs() {
     let folder = Folder::new("memory");
     let [few, lots] = [100_000, 1_000_000].map(|runs| {
         let study = many(&folder, "study.json", runs);
-        memory(&study, &folder.0.join(runs.to_string()))
+        crate::memory::largest(start(&study, &folder.0.join(runs.to_string()), &["--csv", "--threads", "2"]))
     });
     println!("{few} kB for 1e5 runs, {lots} kB for 1e6");
     // Rows of 1e6 runs need 40 MB. The number of chunks that wait to be stored varies slightly.

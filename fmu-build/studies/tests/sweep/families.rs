@@ -22,7 +22,7 @@ fn a_row_does_not_depend_on_the_run_before_through_an_expression() {
     fs::write(&pendulum, PENDULUM).unwrap();
     let points = [(0.1, 0.3), (0.4, 0.6), (0.1, 0.3), (0.4, 0.3), (0.4, 0.6), (0.9, 1.4)];
     let lines: String = points.iter().map(|(inner, outer)| format!("{inner},{outer}\n")).collect();
-    fs::write(folder.0.join("points.csv"), "inner,outer\n".to_owned() + &lines).unwrap();
+    folder.write("points.csv", "inner,outer\n".to_owned() + &lines);
     let rows = folder.rows(json!({
         "mechanism": pendulum, "points": "points.csv", "scenario": { "stop_time": 0.5 },
         "responses": { "angle": { "final": "bar.angle" }, "length": { "final": "bar.length" } },

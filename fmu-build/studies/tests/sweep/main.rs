@@ -5,6 +5,8 @@
 mod ended;
 mod examples;
 mod families;
+#[path = "../../../../tests/support/memory.rs"]
+mod memory;
 mod optimise;
 mod refusals;
 mod rows;

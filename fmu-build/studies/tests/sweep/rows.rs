@@ -6,7 +6,6 @@ use fmu_build::workspace::Workspace;
 use fmu_studies::simulate::Outcome;
 use fmu_studies::sweep::{self, Arguments};
 use serde_json::json;
-use std::fs;
 
 /// Inputs and parameters that vary irregularly between runs, so that each run follows a different one.
 #[test]
@@ -22,8 +21,8 @@ fn rows_are_bit_identical_to_those_of_simulate() {
     ];
     let lines =
         points.map(|(force, load, mass, angle, friction)| format!("{force},{load},{mass},{angle},{friction}\n"));
-    fs::write(folder.0.join("points.csv"), names.join(",") + "\n" + &lines.concat()).unwrap();
-    fs::write(folder.0.join("air.csv"), "time,airspeed\n0,0\n0.05,80\n0.14,60\n").unwrap();
+    folder.write("points.csv", names.join(",") + "\n" + &lines.concat());
+    folder.write("air.csv", "time,airspeed\n0,0\n0.05,80\n0.14,60\n");
     let rows = folder.rows(json!({
         "points": "points.csv",
         "start_values": { "uplock.engage": true },
@@ -233,7 +232,7 @@ fn a_hydraulic_mechanism_is_swept() {
     let folder = Folder::new("hydraulic");
     let gear = Workspace::locate().descriptions().join("LandingGearRetractionHydraulic");
     // With the ramp of the definition the valve opens fully.
-    fs::write(folder.0.join("valve.csv"), "time,valve.command\n0,0\n0.02,0.35\n0.3,0.35\n").unwrap();
+    folder.write("valve.csv", "time,valve.command\n0,0\n0.02,0.35\n0.3,0.35\n");
     let rows = folder.rows(json!({
         "mechanism": gear,
         "factors": {
@@ -285,7 +284,7 @@ fn a_parameter_set_of_a_study_yields_to_its_other_keys() {
     ];
     let text = parameters.map(parameter).concat();
     let text = format!("<ParameterSet version=\"1.0\" name=\"a\"><Parameters>{text}</Parameters></ParameterSet>");
-    fs::write(folder.0.join("set of values.ssv"), text).unwrap();
+    folder.write("set of values.ssv", text);
     let rows = folder.rows(json!({
         "parameters_file": "set of values.ssv",
         "factors": { "actuator.force": { "values": [29e3, 31e3] } },
@@ -293,7 +292,7 @@ fn a_parameter_set_of_a_study_yields_to_its_other_keys() {
         "scenario": { "stop_time": 0.1, "output_interval": 0.01, "inputs": { "airspeed": [[0, 70], [0.1, 80]] } },
         "responses": { "angle": { "final": "crank.angle" } },
     }));
-    fs::write(folder.0.join("air.csv"), "time,airspeed\n0,70\n0.1,80\n").unwrap();
+    folder.write("air.csv", "time,airspeed\n0,70\n0.1,80\n");
     for (row, force) in ["29e3", "31e3"].iter().enumerate() {
         let values = ["crank.mass=14", "load_factor=2", "leg.length=0.8", "friction.enabled=true"].map(String::from);
         let values = [&values[..], &[format!("actuator.force={force}")]].concat();

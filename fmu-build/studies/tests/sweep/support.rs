@@ -1,31 +1,23 @@
 //! Studies of the landing gear in separate folders, and their rows.
 
+#[path = "../../../../tests/support/folder.rs"]
+mod folder;
+
 use fmu_build::workspace::Workspace;
 use fmu_studies::simulate;
 use fmu_studies::sweep::{self, Arguments};
-use serde_json::{Value, json};
+pub use folder::Folder;
+use serde_json::{Map, Value, json};
 use std::collections::HashMap;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{env, fs, process};
-
-/// A folder that is removed with its contents.
-pub struct Folder(pub PathBuf);
 
 impl Folder {
-    pub fn new(test: &str) -> Self {
-        let path = env::temp_dir().join(format!("fmu-build-sweep-{}-{test}", process::id()));
-        let _ = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).unwrap();
-        Self(path)
-    }
-
     /// A study of the landing gear with these additional sections.
     pub fn study(&self, name: &str, mut study: Value) -> PathBuf {
         let gear = Workspace::locate().descriptions().join("LandingGearRetraction");
         study.as_object_mut().unwrap().entry("mechanism").or_insert(json!(gear));
-        let path = self.0.join(name);
-        fs::write(&path, study.to_string()).unwrap();
-        path
+        self.write(name, study.to_string())
     }
 
     /// Make the runs of the study. Returns its rows.
@@ -38,9 +30,16 @@ impl Folder {
     }
 }
 
-impl Drop for Folder {
-    fn drop(&mut self) {
-        let _ = fs::remove_dir_all(&self.0);
+/// For each row of a group of `refusals.json`, the study with these sections, of which null removes one, is rejected.
+pub fn assert_rejected(group: &str, whole: &Value, refusal: impl Fn(Value) -> String) {
+    let mut rows: HashMap<String, Vec<(Map<String, Value>, String)>> =
+        serde_json::from_str(include_str!("refusals.json")).unwrap();
+    for (sections, said) in rows.remove(group).unwrap() {
+        let mut study = whole.as_object().unwrap().clone();
+        study.extend(sections);
+        study.retain(|_, section| !section.is_null());
+        let message = refusal(study.into());
+        assert!(message.contains(&said), "{said}\n{message}");
     }
 }
 

@@ -142,19 +142,7 @@ pub fn stops() -> Vec<Scene> {
 /// Four bars that are flat at 0 and pi, as parallelogram or crossed.
 static FLAT: Mechanism = Mechanism {
     name: "Parallelogram",
-    text: r#"{ "name": "Parallelogram",
-        "bodies": { "ground": { "length": 0.4 },
-            "left": { "length": 0.1, "mass": 1, "shape": "uniform_rod" },
-            "coupler": { "length": 0.4, "mass": 2, "shape": "uniform_rod" },
-            "right": { "length": 0.1, "mass": 1, "shape": "uniform_rod" } },
-        "joints": {
-            "a": { "type": "revolute", "first": "ground.origin", "second": "left.origin" },
-            "b": { "type": "revolute", "first": "left.end", "second": "coupler.origin" },
-            "c": { "type": "revolute", "first": "coupler.end", "second": "right.end" },
-            "d": { "type": "revolute", "first": "ground.end", "second": "right.origin" } },
-        "torques": { "left": { "on": "left" } },
-        "start": { "body": "left", "angle": 0, "speed": 5 },
-        "guess": { "left": 0.5, "coupler": 0, "right": 0.5 } }"#,
+    text: include_str!("../../../scenes/parallelogram.json"),
     body: "left",
     span: 100.0,
     steps: 1000,

@@ -77,12 +77,12 @@ fn complete(element: &mut Element, group: &str, around: Option<&str>, classes: &
     for part in class.iter().flat_map(|class| &class.parts) {
         // Actuators of all kinds share the defaults of their transmission and limits.
         let shared = is_drive && part.tag != kind;
-        if part.tag != kind && !(shared && ACTUATORS.contains(&part.tag.as_str())) {
+        if part.tag != kind && !(shared && ACTUATORS.split(' ').any(|tag| tag == part.tag)) {
             continue;
         }
         for (name, value) in &part.attributes {
             let is_gain = name == "gainprm" && part.tag == "general" && matches!(kind, "position" | "velocity");
-            let applies = !shared || is_gain || SHARED.contains(&name.as_str());
+            let applies = !shared || is_gain || SHARED.split(' ').any(|shared| shared == name);
             if applies && name != "class" && element.attributes.iter().all(|(own, _)| own != name) {
                 element.attributes.push((name.clone(), value.clone()));
             }

@@ -71,7 +71,7 @@ pub fn document(text: &str, include: &dyn Fn(&str) -> Result<String>) -> Result<
     let mut root = Element::parse(text, "")?;
     ensure!(root.tag == "mujoco", "{}: MJCF starts with <mujoco>", root.at());
     defaults::included(&mut root, include, &mut Vec::new())?;
-    rejected(&root, TABLE, &group)?;
+    rejected(&root, &TABLE, &group)?;
     defaults::written_out(&mut root)?;
     Ok(root)
 }
@@ -119,7 +119,7 @@ pub fn read(name: &str, root: &Element) -> Result<Space> {
     let world = |site: &&(String, usize, Frame)| site.1 > 0;
     let sites = reader.sites.iter().filter(world).map(|(name, body, frame)| (name.clone(), *body, frame.0));
     reader.space.sites = sites.collect();
-    reader.space.notes.extend(unread(root, TABLE, &group)?);
+    reader.space.notes.extend(unread(root, &TABLE, &group)?);
     reader.space.notes.extend(table::contact(root));
     Ok(reader.space)
 }

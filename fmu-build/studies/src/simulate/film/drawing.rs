@@ -3,9 +3,9 @@
 //! In: the scene and the poses of a film. Out: pixels.
 
 use super::Still;
-use super::canvas::{Canvas, Colour, Font, Point, Size, WHITE, between, distance, hull};
+use super::canvas::{Canvas, Colour, Font, Point, Size, WHITE, between, distance};
 use anyhow::Result;
-use fmu_build::drawing::BODIES;
+use fmu_build::drawing::{BODIES, hull, position};
 use linkage_fmu::mechanism::inspection::{Connection, DrawnBody, DrawnJoint, DrawnOutline, On, Pose, Scene, Surface};
 
 /// Width of all pictures, and bounds of their height [px].
@@ -54,16 +54,9 @@ fn direct(pose: &Pose, [x, y]: Point) -> Point {
     [cos * x - sin * y, sin * x + cos * y]
 }
 
-/// A point of a body in the mechanism frame [m].
-fn place(poses: &[Pose], on: On) -> Point {
-    let pose = &poses[on.frame];
-    let [x, y] = direct(pose, on.at);
-    [pose[1] + x, pose[2] + y]
-}
-
 /// Position of a prismatic joint with this axis [m].
-fn position(poses: &[Pose], joint: &DrawnJoint, axis: Point) -> f64 {
-    let (a, b) = (place(poses, joint.first), place(poses, joint.second));
+fn slide(poses: &[Pose], joint: &DrawnJoint, axis: Point) -> f64 {
+    let (a, b) = (position(poses, joint.first), position(poses, joint.second));
     let [x, y] = direct(&poses[joint.first.frame], axis);
     (b[0] - a[0]) * x + (b[1] - a[1]) * y
 }
@@ -83,7 +76,7 @@ impl<'a> Drawing<'a> {
         let mut least = [f64::INFINITY; 2];
         let mut most = [f64::NEG_INFINITY; 2];
         for still in stills {
-            for point in points.iter().map(|on| place(&still.poses, *on)) {
+            for point in points.iter().map(|on| position(&still.poses, *on)) {
                 for i in 0..2 {
                     (least[i], most[i]) = (least[i].min(point[i]), most[i].max(point[i]));
                 }
@@ -109,16 +102,18 @@ impl<'a> Drawing<'a> {
             barrels: Vec::new(),
             digits: (3.0 - duration.log10().floor()).clamp(0.0, 9.0) as usize,
         };
-        let path = |on: On| stills.iter().map(|still| drawing.at(place(&still.poses, on))).collect();
+        let path = |on: On| stills.iter().map(|still| drawing.at(position(&still.poses, on))).collect();
         drawing.paths = scene.markers.iter().map(|marker| path(marker.on)).collect();
         let range = |joint: &DrawnJoint| {
-            let positions = stills.iter().map(|still| position(&still.poses, joint, joint.axis.unwrap_or_default()));
+            let positions = stills.iter().map(|still| slide(&still.poses, joint, joint.axis.unwrap_or_default()));
             positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], s| [a.min(s), b.max(s)])
         };
         drawing.slides = scene.joints.iter().map(range).collect();
         let least = |drive: &Connection| {
             let lengths = stills.iter().filter_map(|still| {
-                drive.ends.map(|[first, second]| distance(place(&still.poses, first), place(&still.poses, second)))
+                drive
+                    .ends
+                    .map(|[first, second]| distance(position(&still.poses, first), position(&still.poses, second)))
             });
             lengths.fold(f64::INFINITY, f64::min)
         };
@@ -224,7 +219,7 @@ impl Picture<'_> {
 
     /// A point of a body in pixels.
     fn at(&self, on: On) -> Point {
-        self.drawing.at(place(self.poses, on))
+        self.drawing.at(position(self.poses, on))
     }
 
     /// A direction of a body's frame in pixels, of length 1.
@@ -240,7 +235,7 @@ impl Picture<'_> {
         let joints = joints.flat_map(|joint| [joint.first, joint.second]);
         let ends = scene.actuators.iter().chain(&scene.springs).flat_map(|c| c.ends.into_iter().flatten());
         let (drawing, poses) = (self.drawing, self.poses);
-        for [x, y] in joints.chain(ends).filter(|on| on.frame == 0).map(|on| drawing.at(place(poses, on))) {
+        for [x, y] in joints.chain(ends).filter(|on| on.frame == 0).map(|on| drawing.at(position(poses, on))) {
             let corners = [[x, y], [x - 9.0, y + 14.0], [x + 9.0, y + 14.0]];
             self.canvas.polygon(&corners, [214, 219, 222]);
             self.canvas.polyline(&[corners[0], corners[1], corners[2], corners[0]], 1.2, GROUND);
@@ -264,7 +259,7 @@ impl Picture<'_> {
 
     fn body(&mut self, body: &DrawnBody) {
         let (half, colour) = (self.drawing.half, colour(frame(body)));
-        let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect());
+        let corners = hull(body.points.iter().map(|point| self.at(point.on)).collect(), 0.01);
         let is_joined = |joint: &DrawnJoint| {
             joint.axis.is_some() && [joint.first, joint.second].iter().any(|on| on.frame == frame(body))
         };
