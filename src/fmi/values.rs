@@ -12,6 +12,9 @@ use crate::component::{Component, Refused};
 use crate::variables::{Kind, Reference};
 use std::mem::MaybeUninit;
 
+/// Reads Reals on another way than that of most calls.
+type OtherRead = fn(&mut Instance, &[Reference], &mut [MaybeUninit<f64>]) -> Result<(), Refusal>;
+
 /// Name of the item of an Enumeration with this number.
 fn item(component: &Component, reference: Reference, number: i64) -> Result<&'static str, Refused> {
     let Some(variable) = component.interface().get(reference) else { return Ok("") };
@@ -38,7 +41,7 @@ impl Instance {
         &mut self,
         references: &[Reference],
         values: &mut [MaybeUninit<f64>],
-        other: fn(&mut Self, &[Reference], &mut [MaybeUninit<f64>]) -> Result<(), Refusal>,
+        other: OtherRead,
     ) -> Result<(), Refusal> {
         // Outputs that were read before can be read from initialization mode on.
         if self.phase != Phase::Instantiated
