@@ -35,9 +35,10 @@ impl Arithmetic for Fused {
     fn multiply_add_each(a: &[f64; 4], b: &[f64; 4], c: &[f64; 4]) -> [f64; 4] {
         use std::arch::x86_64::{_mm256_fmadd_pd, _mm256_loadu_pd, _mm256_storeu_pd};
         let mut sums = [0.0; 4];
-        // SAFETY: `run` has tested the features of the processor. Each pointer is that of four numbers.
+        // SAFETY: `run` has tested the features of the processor. Each pointer is that of four numbers. A closure would
+        // be compiled without the features.
         unsafe {
-            let [a, b, c] = [a, b, c].map(|numbers| _mm256_loadu_pd(numbers.as_ptr()));
+            let (a, b, c) = (_mm256_loadu_pd(a.as_ptr()), _mm256_loadu_pd(b.as_ptr()), _mm256_loadu_pd(c.as_ptr()));
             _mm256_storeu_pd(sums.as_mut_ptr(), _mm256_fmadd_pd(a, b, c));
         }
         sums
