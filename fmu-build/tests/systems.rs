@@ -133,7 +133,7 @@ fn values_of_a_system_are_in_the_units_of_the_variables_and_read_back() {
         },
         "connectors": ["left.crank.angle"],
     });
-    let text = structure(&folder.write("system.json", &system.to_string())).unwrap();
+    let text = structure(&folder.write("system.json", system.to_string())).unwrap();
     let document = Document::parse(&text).unwrap();
     assert!(connections(&document).is_empty() && all(&document, "Connections").next().is_none(), "{text}");
     let sources: Vec<_> = all(&document, "Component").map(|node| node.attribute("source").unwrap()).collect();
@@ -182,7 +182,7 @@ fn algebraic_loops_and_unconnected_fmus_give_warnings() {
     ] {
         let fmus = json!({ "first": cart, "second": cart, "third": cart });
         let system = json!({ "name": "Carts", "fmus": fmus, "connections": connections });
-        let path = folder.write("carts.json", &system.to_string());
+        let path = folder.write("carts.json", system.to_string());
         let warnings = packable(&path).unwrap().warnings;
         let about = |words: &str| warnings.iter().filter(|line| line.contains(words)).count();
         let looped = "connections: first.push.acceleration, second.push.required_force depend on each other";
@@ -281,7 +281,7 @@ fn all_faults_are_named_with_place_and_remedy() {
         ),
         (with("connectors", json!(["gear.crank.angl"])), &["connectors[0]: gear: there is no variable \"crank.angl\""]),
     ] {
-        let message = format!("{:#}", structure(&folder.write("wrong.json", &system.to_string())).unwrap_err());
+        let message = format!("{:#}", structure(&folder.write("wrong.json", system.to_string())).unwrap_err());
         for words in said {
             assert!(message.contains(words), "{words} is not in\n{message}");
         }
@@ -311,7 +311,7 @@ fn the_schema_agrees_with_the_reader() {
         (json!({ "name": "A", "fmus": { "a": gear }, "connectors": ["a.crank.angle"] }), true),
         (json!({ "name": "A", "fmus": { "a": gear }, "connector": [] }), false),
     ] {
-        let read = structure(&folder.write("system.json", &system.to_string()));
+        let read = structure(&folder.write("system.json", system.to_string()));
         assert_eq!(validator.is_valid(&system), is_right, "the schema: {system}");
         assert_eq!(read.is_ok(), is_right, "the reader: {system}: {read:?}");
     }

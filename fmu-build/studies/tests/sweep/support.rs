@@ -30,10 +30,12 @@ impl Folder {
     }
 }
 
+/// Sections of a study, and the words of the message that rejects them.
+type Refusal = (Map<String, Value>, String);
+
 /// For each row of a group of `refusals.json`, the study with these sections, of which null removes one, is rejected.
 pub fn assert_rejected(group: &str, whole: &Value, refusal: impl Fn(Value) -> String) {
-    let mut rows: HashMap<String, Vec<(Map<String, Value>, String)>> =
-        serde_json::from_str(include_str!("refusals.json")).unwrap();
+    let mut rows: HashMap<String, Vec<Refusal>> = serde_json::from_str(include_str!("refusals.json")).unwrap();
     for (sections, said) in rows.remove(group).unwrap() {
         let mut study = whole.as_object().unwrap().clone();
         study.extend(sections);
