@@ -27,6 +27,16 @@ CARGO = ["cargo", "run", "--release", "--quiet", "--manifest-path", str(REPOSITO
 """The long form of `cargo fmu`, which works in every folder."""
 
 
+LONG = ("test_pages.py", "test_sweep_cluster.py", "test_simulate_command.py", "test_optimise.py", "test_crane.py")
+"""Files of tests that take longest. Each file runs in one process, so these files come first."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Long files come first, in the order of `LONG`."""
+    places = {name: place for place, name in enumerate(LONG)}
+    items.sort(key=lambda item: places.get(item.path.name, len(LONG)))
+
+
 MESSAGES: dict[int, list[str]] = {}
 """Messages of each instance, by its environment pointer; 0: instances that FMPy itself creates. FMPy's proxy has one
 logger for the whole process."""
