@@ -42,9 +42,7 @@ def main() -> None:
             instance.slave,
             [v for v in instance.variables.values() if v.causality == "output"],
         )
-        reals = [
-            variable.valueReference for variable in outputs if variable.type == "Real"
-        ]
+        reals = [variable.valueReference for variable in outputs if variable.type == "Real"]
         start = slave.getFMUstate()
         for _ in range(2):
             slave.setFMUstate(start)

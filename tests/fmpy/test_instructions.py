@@ -48,15 +48,11 @@ def test_no_run_costs_more_than_stated(extracted: Path, tmp_path: Path) -> None:
         str(extracted),
     ]
     options = ["--compress-strings=no", "--compress-pos=no"]
-    done = subprocess.run(
-        [*callgrind, *options, *program], capture_output=True, text=True, check=False
-    )
+    done = subprocess.run([*callgrind, *options, *program], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     with COUNTED.open(encoding="utf-8", newline="") as file:
         stated = {
-            (row["scene"], row["reads"], int(row["steps"])): float(
-                row["instructions_per_run"]
-            )
+            (row["scene"], row["reads"], int(row["steps"])): float(row["instructions_per_run"])
             for row in csv.DictReader(file)
         }
     # Four intervals for each scene: set-up, the first run, a pause, the second run.
