@@ -180,7 +180,10 @@ impl Signals {
         let signal = Signal { reference, values };
         match variable.kind {
             Kind::Real => self.continuous.push(signal),
-            Kind::Boolean => self.discrete.push(signal),
+            Kind::Boolean => {
+                signal.values.iter().try_for_each(|value| of_boolean(*value).map(drop)).with_context(|| name.to_owned())?;
+                self.discrete.push(signal);
+            }
             Kind::Enumeration => {
                 bail!("{name} is an Enumeration, which cannot change during a run; remove this column")
             }
@@ -334,14 +337,20 @@ impl Place {
 /// A cell of the file. A Boolean is 1 or 0.
 fn value(text: &str, kind: Kind) -> Result<f64> {
     match text.parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        Ok(value) => bail!("{value} must be finite"),
+        Ok(value) if !value.is_finite() => bail!("{value} must be finite"),
+        Ok(value) if kind == Kind::Boolean => of_boolean(value),
+        Ok(value) => Ok(value),
         Err(_) if kind == Kind::Boolean => Ok(f64::from(u8::from(truth(text)?))),
         Err(_) => match comma(text) {
             Some(fault) => bail!("\"{text}\" {fault}"),
             None => bail!("\"{}\" is not a number", text.escape_debug()),
         },
     }
+}
+
+/// The value of a Boolean: 0 or 1.
+fn of_boolean(value: f64) -> Result<f64> {
+    if value == 0.0 || value == 1.0 { Ok(value) } else { bail!("{value} is not true or false; write 1 or 0") }
 }
 
 #[cfg(test)]
@@ -403,5 +412,15 @@ mod tests {
         let signals = signals(&[0.0, 0.5, 2.0], &[1.0; 3], &[1.0, 0.0, 0.0]);
         assert_eq!(signals.next_event(0.0), 0.5);
         assert_eq!([0.25, 0.5, 0.75].map(|time| at(&signals, time, true).1), [1.0, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_boolean_is_one_or_zero() {
+        let accepted = ["1", "0", "1.0", "true", "False", "-0"].map(|text| value(text, Kind::Boolean).unwrap());
+        assert_eq!(accepted, [1.0, 0.0, 1.0, 1.0, 0.0, 0.0]);
+        for text in ["0.5", "2", "-1", "1e-300", "maybe"] {
+            let message = value(text, Kind::Boolean).unwrap_err().to_string();
+            assert!(message.contains("is not true or false"), "{message}");
+        }
     }
 }
