@@ -181,7 +181,8 @@ impl Signals {
         match variable.kind {
             Kind::Real => self.continuous.push(signal),
             Kind::Boolean => {
-                signal.values.iter().try_for_each(|value| of_boolean(*value).map(drop)).with_context(|| name.to_owned())?;
+                let all = signal.values.iter().try_for_each(|value| of_boolean(*value).map(drop));
+                all.with_context(|| name.to_owned())?;
                 self.discrete.push(signal);
             }
             Kind::Enumeration => {

@@ -239,6 +239,17 @@ mod tests {
     }
 
     #[test]
+    fn the_angular_acceleration_is_the_rate_of_the_speed_while_the_length_changes() {
+        let here = ends(0.9, 2e-3);
+        let speed = |t: f64| {
+            let x = [0, 1].map(|i| here.x[i] + t * here.v[i] + 0.5 * t * t * here.a[i]);
+            Span::new(x).speed([0, 1].map(|i| here.v[i] + t * here.a[i]))
+        };
+        let rate = (speed(1e-6) - speed(-1e-6)) / 2e-6;
+        assert!((BODY.angular_acceleration(&here) - rate).abs() < 1e-8 * rate.abs());
+    }
+
+    #[test]
     fn the_power_of_the_demand_is_the_rate_of_the_energy() {
         let here = ends(0.9, 2e-3);
         let [p, q] = BODY.demand(&here);
