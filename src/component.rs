@@ -40,7 +40,6 @@ pub use crate::mechanism::{FastForward, Pauses, Waypoint};
 use crate::variables::{Interface, Reference, Terminal, Vector};
 pub use refusal::{NoValue, Refused};
 pub use snapshot::Snapshot;
-use std::mem::MaybeUninit;
 pub use step::{Interrupted, Paused, Stepped};
 pub use tables::TABLES;
 
@@ -266,10 +265,10 @@ impl Component {
         references.iter().try_for_each(|&reference| self.real(reference).map(&mut give))
     }
 
-    /// Writes the present values of the Real outputs that were read together last, and returns whether each of them has
-    /// a value. None if these are not their references.
+    /// Writes the present values of the Real outputs that were read together last to `values`, and returns whether each
+    /// of them has a value. None if these are not their references.
     #[inline]
-    pub fn reread(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Option<bool> {
+    pub fn reread<'v>(&mut self, references: &[Reference], values: impl FnOnce() -> &'v mut [f64]) -> Option<bool> {
         if let Self::Mechanism(model) = self { model.reread(references, values) } else { None }
     }
 

@@ -42,6 +42,14 @@ pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) })
 }
 
+/// Numbers that are 0 in the memory of an array that the host passes to be filled.
+#[inline]
+pub fn zeroed(numbers: &mut [MaybeUninit<f64>]) -> &mut [f64] {
+    numbers.fill(MaybeUninit::new(0.0));
+    // SAFETY: all are initialised.
+    unsafe { &mut *(std::ptr::from_mut(numbers) as *mut [f64]) }
+}
+
 /// String that the host passes in. `None` if the pointer is NULL.
 ///
 /// # Safety

@@ -4,6 +4,7 @@
 //! pointers to instances, how a value is found.
 
 use super::access::{Way, may_get, may_get_all, may_set};
+use super::array::zeroed;
 use super::instance::Instance;
 use super::phase::Phase;
 use super::refusal::Refusal;
@@ -45,7 +46,7 @@ impl Instance {
     ) -> Result<(), Refusal> {
         // Outputs that were read before can be read from initialization mode on.
         if self.phase != Phase::Instantiated
-            && let Some(have_all) = self.component.reread(references, values)
+            && let Some(have_all) = self.component.reread(references, || zeroed(values))
         {
             return if have_all { Ok(()) } else { self.warn(references, "value", Component::undefined) };
         }

@@ -95,6 +95,12 @@ impl Record<'_> {
             out.put([u8::from(*value)]);
             return Ok(());
         }
+        self.read_flag(name, value)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_flag(&mut self, name: &str, value: &mut bool) -> Result<(), Damaged> {
         let mut byte = 0;
         self.choice(name, &mut byte, 2)?;
         *value = byte == 1;
@@ -117,6 +123,12 @@ impl Record<'_> {
             out.put((known as u64).to_le_bytes());
             return Ok(());
         }
+        self.read_length(name, known)
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn read_length(&mut self, name: &str, known: usize) -> Result<(), Damaged> {
         let length = u64::from_le_bytes(self.read()?);
         Damaged::unless(length == known as u64, || {
             format!("the saved list '{name}' has {length} entries, but this model needs {known} entries")
@@ -164,18 +176,31 @@ impl Record<'_> {
     }
 
     /// A number for which `allowed` is true. `text` states the condition for the message.
-    #[inline]
+    #[inline(always)]
     pub fn number(
         &mut self,
         name: &str,
         value: &mut f64,
-        allowed: impl FnOnce(f64) -> bool,
+        allowed: impl Fn(f64) -> bool,
         text: &str,
     ) -> Result<(), Damaged> {
         if let Self::Write(out) = self {
             out.put(value.to_le_bytes());
             return Ok(());
         }
+        self.read_number(name, value, &allowed, text)
+    }
+
+    /// [`Self::number`] of a record that is read: one function for all conditions.
+    #[cold]
+    #[inline(never)]
+    fn read_number(
+        &mut self,
+        name: &str,
+        value: &mut f64,
+        allowed: &dyn Fn(f64) -> bool,
+        text: &str,
+    ) -> Result<(), Damaged> {
         let read = f64::from_le_bytes(self.read()?);
         Damaged::unless(allowed(read), || format!("the saved value '{name}' is {read}, but must be {text}"))?;
         *value = read;
@@ -183,13 +208,13 @@ impl Record<'_> {
     }
 
     /// A finite number.
-    #[inline]
+    #[inline(never)]
     pub fn finite(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, f64::is_finite, "a finite number")
     }
 
     /// A finite number > 0.
-    #[inline]
+    #[inline(never)]
     pub fn positive(&mut self, name: &str, value: &mut f64) -> Result<(), Damaged> {
         self.number(name, value, |v| v > 0.0 && v.is_finite(), "a finite number > 0")
     }

@@ -1,8 +1,8 @@
 //! The array of outputs that a host reads again and again, resolved once.
 //!
 //! In: value references. Out: their outputs, found by comparing the references. It must not know how a value is found.
-use crate::mechanism::outputs::function_of;
-use crate::mechanism::quantity::{Output, Quantity};
+use crate::mechanism::outputs::Together;
+use crate::mechanism::quantity::Quantity;
 use crate::mechanism::reduced::Reduced;
 use crate::variables::{Reference, Variables};
 
@@ -10,33 +10,30 @@ use crate::variables::{Reference, Variables};
 #[derive(Clone, Debug, Default)]
 pub(super) struct Plan {
     references: Vec<Reference>,
-    outputs: Vec<Output>,
-    /// The functions of which these outputs are time derivatives.
-    functions: Vec<usize>,
+    together: Together,
 }
 
 impl Plan {
     /// Fewest outputs that are worth it.
     const FEWEST: usize = 4;
 
-    /// The outputs of these references with their functions, if they are those that were resolved.
+    /// The outputs of these references, if they are those that were resolved.
     #[inline]
-    pub fn of(&self, references: &[Reference]) -> Option<(&[Output], &[usize])> {
-        (self.references == references).then_some((&self.outputs, &self.functions))
+    pub fn of(&self, references: &[Reference]) -> Option<&Together> {
+        (self.references == references).then_some(&self.together)
     }
 
     /// Make room for so many outputs in all.
     pub fn reserve(&mut self, count: usize) {
         self.references.reserve_exact(count.saturating_sub(self.references.len()));
-        self.outputs.reserve_exact(count.saturating_sub(self.outputs.len()));
-        self.functions.reserve_exact(count.saturating_sub(self.functions.len()));
+        self.together.reserve(count);
     }
 
     /// Resolve references that were read, if all are outputs and there is room. The longest array is kept, so that
     /// shorter ones that are read in turn with it do not replace it.
     #[inline]
     pub fn learn(&mut self, references: &[Reference], variables: &Variables<Quantity>, reduced: &Reduced) {
-        let has_room = references.len() <= self.references.capacity().min(self.outputs.capacity());
+        let has_room = references.len() <= self.references.capacity().min(self.together.capacity());
         if has_room && references.len() >= Self::FEWEST && references.len() > self.references.len() {
             self.resolve(references, variables, reduced);
         }
@@ -48,14 +45,7 @@ impl Plan {
         if references.iter().all(|reference| output(reference).is_some()) {
             self.references.clear();
             self.references.extend_from_slice(references);
-            self.outputs.clear();
-            self.outputs.extend(references.iter().filter_map(output));
-            self.functions.clear();
-            for function in self.outputs.iter().filter_map(|output| function_of(reduced, output)) {
-                if !self.functions.contains(&function) {
-                    self.functions.push(function);
-                }
-            }
+            self.together.replace(references.iter().filter_map(output), reduced);
         }
     }
 }

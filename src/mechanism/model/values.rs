@@ -8,7 +8,6 @@ use crate::mechanism::dynamics::bumper_set::BumperSet;
 use crate::mechanism::dynamics::network::is_engaged;
 use crate::mechanism::quantity::{Output, Quantity};
 use crate::variables::Reference;
-use std::mem::MaybeUninit;
 use std::sync::Arc;
 
 impl Model {
@@ -45,11 +44,11 @@ impl Model {
     /// Present values of the outputs that were read together last, each as [`Self::real`]; whether each of them has a
     /// value. None if these are not their references, or the motion is not that of the reduced model.
     #[inline]
-    pub fn reread(&mut self, references: &[Reference], values: &mut [MaybeUninit<f64>]) -> Option<bool> {
+    pub fn reread<'v>(&mut self, references: &[Reference], values: impl FnOnce() -> &'v mut [f64]) -> Option<bool> {
         match (&mut self.state, &self.reduced, self.exchange) {
             (Some(Formulation::Reduced(motion)), Some(reduced), None) => {
-                let plan = self.plan.of(references)?;
-                Some(motion.outputs(reduced, &self.inputs).fill(plan, values))
+                let together = self.plan.of(references)?;
+                Some(motion.outputs(reduced, &self.inputs).fill(together, values()))
             }
             _ => None,
         }
@@ -63,9 +62,9 @@ impl Model {
     pub fn reals(&mut self, references: &[Reference], give: impl FnMut(f64)) -> Result<(), ModelError> {
         if let (Some(Formulation::Reduced(motion)), Some(reduced), None) =
             (&mut self.state, &self.reduced, self.exchange)
-            && let Some((plan, _)) = self.plan.of(references)
+            && let Some(together) = self.plan.of(references)
         {
-            motion.outputs(reduced, &self.inputs).values(plan, give);
+            motion.outputs(reduced, &self.inputs).values(&together.outputs, give);
             return Ok(());
         }
         self.other_reals(references, give)

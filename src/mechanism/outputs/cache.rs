@@ -18,8 +18,9 @@ use crate::numerics::dual::{Differentiable, Number};
 pub struct OutputCache<N: Differentiable> {
     /// Direction of the derivatives that N carries.
     pub direction: Direction<N>,
-    /// Forces and acceleration, once evaluated in this state.
-    pub forces: Option<Forces<N>>,
+    /// Forces and acceleration, if they are known in this state. A reader copies only the fields that it uses.
+    pub forces: Forces<N>,
+    pub knows_forces: bool,
     /// Number of the state and the inputs: each change of them has another one.
     pub version: u64,
     /// The functions of sigma whose tables have their first two derivatives, with these derivatives: coordinates, then
@@ -108,6 +109,14 @@ pub struct Forces<N> {
     pub by_stop: bool,
 }
 
+impl<N: Number> Forces<N> {
+    /// Not known yet.
+    fn unknown() -> Self {
+        let zero = N::constant(0.0);
+        Self { acceleration: zero, free: zero, direction: 0.0, held: None, surface: None, by_stop: false }
+    }
+}
+
 /// How often outputs have made something be computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Computed {
@@ -121,7 +130,8 @@ impl<N: Differentiable> OutputCache<N> {
     pub fn new(reduced: &Reduced, state_loads: Option<&StateLoads>, direction: Direction<N>) -> Self {
         Self {
             direction,
-            forces: None,
+            forces: Forces::unknown(),
+            knows_forces: false,
             version: 1,
             functions: vec![Found::blank([N::constant(0.0); 3]); reduced.functions()],
             panel: 0,
@@ -142,7 +152,7 @@ impl<N: Differentiable> OutputCache<N> {
     /// The state, an input or the direction has changed.
     #[inline]
     pub fn invalidate(&mut self) {
-        (self.forces, self.drive) = (None, None);
+        (self.knows_forces, self.drive) = (false, None);
         self.version += 1;
     }
 }

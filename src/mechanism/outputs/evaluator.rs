@@ -102,6 +102,11 @@ pub trait Kinematics<N: Number> {
         Ok(N::constant(0.0))
     }
 
+    /// Whether the state may decide the size of a load. If not, each [`Self::state_load`] is 0.
+    fn has_state_loads(&self) -> bool {
+        true
+    }
+
     /// Size of a load that the state decides: friction, drag, bumpers, losses of drives.
     fn state_load(&mut self, _load: usize) -> Result<N, OutputError> {
         Ok(N::constant(0.0))
@@ -161,26 +166,18 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Displacement { load, order } => motion.displacement(load, order)?,
         Output::Marker { marker, axis, order } => motion.marker(marker, axis, order)?,
         Output::Frame { body, part } => frame(motion, body, part)?,
-        Output::Reaction { joint, part } => {
-            let [x, y, moment] = motion.reaction(joint)?;
-            match part {
-                ReactionPart::X => x,
-                ReactionPart::Y => y,
-                ReactionPart::Magnitude => x.hypot(y),
-                ReactionPart::Moment => moment,
-            }
-        }
+        Output::Reaction { joint, part } => part_of(motion.reaction(joint)?, part),
         Output::PressureAngle { coupling } => motion.pressure_angle(coupling)?,
         Output::ActingForce { drive } => motion.acting_force(drive)?,
         Output::Controller { drive, state, order } => motion.controller(drive, state, order)?,
         Output::SpringForce { spring } => spring_force(motion, loading, spring)?,
         Output::Friction { friction_joint } => match &loading.friction {
-            Some(friction) => {
+            Some(friction) if motion.has_state_loads() => {
                 let (first, later) = friction.of_joint(friction_joint);
                 let further = later.map_or(Ok(N::constant(0.0)), |own| motion.state_load(own.load))?;
                 motion.state_load(first.load)? + further
             }
-            None => N::constant(0.0),
+            _ => N::constant(0.0),
         },
         Output::SlipSpeed { friction_joint } => match &loading.friction {
             Some(friction) => {
@@ -195,11 +192,11 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
             None => N::constant(0.0),
         },
         Output::Drag { surface } => match &loading.air {
-            Some(air) => {
+            Some(air) if motion.has_state_loads() => {
                 let load = air.surfaces[surface].load;
                 motion.state_load(load)? * air.flow.x + motion.state_load(load + 1)? * air.flow.y
             }
-            None => N::constant(0.0),
+            _ => N::constant(0.0),
         },
         Output::Stop { stop } => motion.state_load(loading.stops[stop].load)? + motion.stop_force(stop)?,
         Output::Impact { stop, part } => {
@@ -219,6 +216,17 @@ pub fn evaluate<N: Number, K: Kinematics<N>>(
         Output::Network(output) => motion.network(output)?,
         Output::SmallMotion(output) => small_motion(motion, output)?,
     })
+}
+
+/// A part of the reaction of a joint: force x, force y, moment.
+#[inline(always)]
+pub fn part_of<N: Number>([x, y, moment]: [N; 3], part: ReactionPart) -> N {
+    match part {
+        ReactionPart::X => x,
+        ReactionPart::Y => y,
+        ReactionPart::Magnitude => x.hypot(y),
+        ReactionPart::Moment => moment,
+    }
 }
 
 /// Power that moves the surface of the first body of a joint against its friction: 0 without a pin radius.

@@ -18,6 +18,5 @@ mod view;
 pub use cache::{Computed, of_state};
 pub use evaluator::{Kinematics, OutputError, evaluate};
 pub use hydraulic::allow_hydraulics;
-pub use reduced_motion::ReducedMotion;
-pub use tabulated::function_of;
+pub use reduced_motion::{ReducedMotion, Together};
 pub use view::View;

@@ -113,7 +113,7 @@ impl<N: Reading> View<'_, N> {
     /// drive delivers the size of its load.
     #[inline]
     fn unconditional(&self) -> Option<N> {
-        self.cache.forces.filter(|_| self.state_loads().is_none()).map(|forces| forces.free)
+        (self.cache.knows_forces && self.state_loads().is_none()).then_some(self.cache.forces.free)
     }
 
     /// Least or largest displacement of a drive that stops and locks leave [m] or [rad]: the present one while a rigid

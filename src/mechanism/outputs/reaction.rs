@@ -15,16 +15,14 @@ use crate::numerics::bundle::{ROW, sum_at};
 type Parts<N> = [N; PARTS];
 
 impl<'a, N: Reading> View<'a, N> {
-    /// Force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that it
-    /// transmits along the motion [N].
+    /// Find the force x, force y [N] and moment [N.m] that a joint transmits; the third of a coupling is the force that
+    /// it transmits along the motion [N].
     #[inline(never)]
-    pub fn find_reaction(&mut self, joint: usize) -> Result<Parts<N>, OutputError> {
+    pub fn find_reaction(&mut self, joint: usize) -> Result<(), OutputError> {
         self.find_sums(joint / ROW)?;
         let version = self.cache.version;
-        if let (known, value) = self.cache.reactions[joint]
-            && known == version
-        {
-            return Ok(value);
+        if self.cache.reactions[joint].0 == version {
+            return Ok(());
         }
         let mut value = self.reaction_along(joint)?;
         for mesh in 0..self.reduced.loading().meshes.len() {
@@ -32,7 +30,7 @@ impl<'a, N: Reading> View<'a, N> {
         }
         let value = value.map(finite);
         self.cache.reactions[joint] = (version, value);
-        Ok(value)
+        Ok(())
     }
 
     /// Add the reaction to the force |F_t| tan(alpha) that pushes the teeth of a mesh apart. It does no work, so that
@@ -180,11 +178,18 @@ impl<'a, N: Reading> View<'a, N> {
         let GroupReactions { given: with, state: with_state, .. } = &self.loads.reactions[group];
         let OutputCache { groups, reactions, version, .. } = &mut *self.cache;
         let GroupValues { given, state, .. } = &groups[group];
+        let zero = N::constant(0.0);
+        let mut totals = [[zero; ROW]; PARTS];
+        for (part, total) in totals.iter_mut().enumerate() {
+            *total = std::array::from_fn(|own| zero + given[part][own] + state[part][own]);
+        }
+        // One test for all, as a sum with an infinite term is not finite.
+        if !totals.as_flattened().iter().fold(0.0, |sum, part| sum + part.value()).is_finite() {
+            totals = totals.map(|total| total.map(finite));
+        }
         for (own, reaction) in reactions[joints].iter_mut().enumerate() {
             if with.is_resolved[own] && (!acts || with_state.is_resolved[own]) {
-                let zero = N::constant(0.0);
-                let parts = std::array::from_fn(|part| finite(zero + given[part][own] + state[part][own]));
-                *reaction = (*version, parts);
+                *reaction = (*version, totals.map(|total| total[own]));
             }
         }
     }
@@ -203,13 +208,13 @@ impl<'a, N: Reading> View<'a, N> {
         let sigma = self.sigma();
         let GroupReactions { parts, given, state, .. } = &self.loads.reactions[group];
         let OutputCache { groups, shares, version, .. } = &mut *self.cache;
-        let of_given = sum_at((&given.rows, *parts), &shares.given, given.x(sigma));
-        let of_state = if acts {
-            sum_at((&state.rows, *parts), &shares.state, state.x(sigma))
-        } else {
-            [[N::constant(0.0); ROW]; PARTS]
-        };
-        groups[group] = GroupValues { version: *version, given: of_given, state: of_state };
+        let values = &mut groups[group];
+        values.version = *version;
+        values.given = sum_at((&given.rows, *parts), &shares.given, given.x(sigma));
+        values.state = [[N::constant(0.0); ROW]; PARTS];
+        if acts {
+            values.state = sum_at((&state.rows, *parts), &shares.state, state.x(sigma));
+        }
     }
 
     /// Add to a joint's reaction its change with the inputs along the direction, which the sizes of terms do not have.

@@ -21,8 +21,8 @@ use crate::mechanism::quantity::Output;
 use crate::mechanism::reduced::Reduced;
 use crate::numerics::dual::Dual;
 use driven::Driven;
-pub use together::Outputs;
 use together::value_of;
+pub use together::{Outputs, Together};
 
 /// The state of motion along the curve, and what its outputs share.
 #[derive(Clone, Debug)]

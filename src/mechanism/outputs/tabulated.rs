@@ -165,9 +165,12 @@ impl<'a, N: Reading> View<'a, N> {
 }
 
 impl View<'_, f64> {
-    /// Find functions that are read together. Where one has no table, those after it are found when they are read.
-    pub fn find_functions(&mut self, functions: &[usize]) {
-        _ = processor::run(Functions { view: self, functions });
+    /// Find functions that are read together.
+    ///
+    /// # Errors
+    /// One has no table.
+    pub fn find_functions(&mut self, functions: &[usize]) -> Result<(), OutputError> {
+        processor::run(Functions { view: self, functions }).map(|_| ())
     }
 }
 

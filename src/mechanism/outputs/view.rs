@@ -149,7 +149,7 @@ impl<'a, N: Reading> View<'a, N> {
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
         let state_loads = state_loads_under(reduced, inputs)?;
         if state_loads.is_some() {
-            self.cache.forces = None;
+            self.cache.knows_forces = false;
         }
         let controllers = self.controllers();
         let OutputCache { scratch, direction, version, .. } = &mut *self.cache;
@@ -193,19 +193,19 @@ impl<'a, N: Reading> View<'a, N> {
     /// Forces and acceleration; evaluated once for a state.
     #[inline]
     pub fn forces(&mut self) -> Result<Forces<N>, OutputError> {
-        match self.cache.forces {
-            Some(forces) => Ok(forces),
-            None => self.find_forces(),
+        if !self.cache.knows_forces {
+            self.find_forces()?;
         }
+        Ok(self.cache.forces)
     }
 
     #[inline(never)]
-    fn find_forces(&mut self) -> Result<Forces<N>, OutputError> {
+    fn find_forces(&mut self) -> Result<(), OutputError> {
         self.loads.check_driven()?;
-        let forces = N::forces(self)?;
-        self.cache.forces = Some(forces);
+        self.cache.forces = N::forces(self)?;
+        self.cache.knows_forces = true;
         self.cache.computed.effects += 1;
-        Ok(forces)
+        Ok(())
     }
 
     /// Whether friction holds the mechanism at the speed of a driven surface or at rest: there the loads overcome it in
@@ -310,10 +310,10 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
 
     #[inline(always)]
     fn reaction(&mut self, joint: usize) -> Result<[N; 3], OutputError> {
-        match self.cache.reactions[joint] {
-            (version, value) if version == self.cache.version => Ok(value),
-            _ => self.find_reaction(joint),
+        if self.cache.reactions[joint].0 != self.cache.version {
+            self.find_reaction(joint)?;
         }
+        Ok(self.cache.reactions[joint].1)
     }
 
     #[inline]
@@ -340,8 +340,13 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     }
 
     #[inline]
+    fn has_state_loads(&self) -> bool {
+        !self.cache.knows_forces || self.state_loads().is_some()
+    }
+
+    #[inline]
     fn state_load(&mut self, load: usize) -> Result<N, OutputError> {
-        if self.cache.forces.is_none() {
+        if !self.cache.knows_forces {
             self.find_forces()?;
         }
         let index = self.state_loads().and_then(|s| s.loads.iter().position(|l| *l == load));

@@ -2,10 +2,88 @@
 //!
 //! In: a view of the state. Out: values, NaN where an output has none. It must not know references.
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::outputs::evaluator::{OutputError, evaluate};
+use crate::mechanism::outputs::evaluator::{OutputError, evaluate, part_of};
+use crate::mechanism::outputs::tabulated::function_of;
 use crate::mechanism::outputs::view::View;
-use crate::mechanism::quantity::Output;
-use std::mem::MaybeUninit;
+use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
+use crate::mechanism::reduced::Reduced;
+
+/// Outputs that are read together. Those of the most frequent kinds are read in a loop for each kind.
+#[derive(Clone, Debug, Default)]
+pub struct Together {
+    pub outputs: Vec<Output>,
+    /// The functions of which outputs are time derivatives.
+    functions: Vec<usize>,
+    rates: Vec<Rate>,
+    /// Whether one of the rates is of order 2.
+    accelerates: bool,
+    /// The reactions: index of the output, joint, part.
+    reactions: Vec<(usize, usize, ReactionPart)>,
+    /// The terms of drives: index of the output, drive, term.
+    terms: Vec<(usize, usize, OneElement)>,
+    /// The other outputs, each with its index.
+    others: Vec<(usize, Output)>,
+}
+
+/// An output that is the first or second time derivative of a function.
+#[derive(Clone, Copy, Debug)]
+struct Rate {
+    /// Index of the output.
+    index: usize,
+    function: usize,
+    order: usize,
+}
+
+impl Together {
+    /// Make room for so many outputs in all.
+    pub fn reserve(&mut self, count: usize) {
+        if count <= self.capacity() {
+            return;
+        }
+        self.outputs.reserve_exact(count.saturating_sub(self.outputs.len()));
+        self.functions.reserve_exact(count.saturating_sub(self.functions.len()));
+        self.rates.reserve_exact(count.saturating_sub(self.rates.len()));
+        self.reactions.reserve_exact(count.saturating_sub(self.reactions.len()));
+        self.terms.reserve_exact(count.saturating_sub(self.terms.len()));
+        self.others.reserve_exact(count.saturating_sub(self.others.len()));
+    }
+
+    /// Number of outputs for which there is room.
+    pub fn capacity(&self) -> usize {
+        self.outputs.capacity()
+    }
+
+    /// These outputs instead of the present ones.
+    pub fn replace(&mut self, outputs: impl Iterator<Item = Output>, reduced: &Reduced) {
+        let Self { functions, rates, accelerates, reactions, terms, others, .. } = self;
+        functions.clear();
+        rates.clear();
+        reactions.clear();
+        terms.clear();
+        others.clear();
+        *accelerates = false;
+        self.outputs.clear();
+        self.outputs.extend(outputs);
+        for (index, output) in self.outputs.iter().enumerate() {
+            let function = function_of(reduced, output);
+            if let Some(function) = function.filter(|function| !functions.contains(function)) {
+                functions.push(function);
+            }
+            match (*output, function) {
+                (
+                    Output::Angle { order, .. } | Output::JointPosition { order, .. } | Output::Marker { order, .. },
+                    Some(function),
+                ) if order > 0 => {
+                    rates.push(Rate { index, function, order });
+                    *accelerates |= order == 2;
+                }
+                (Output::Reaction { joint, part }, _) => reactions.push((index, joint, part)),
+                (Output::OneElement { drive, term }, _) => terms.push((index, drive, term)),
+                _ => others.push((index, *output)),
+            }
+        }
+    }
+}
 
 /// Outputs of one state.
 pub struct Outputs<'a> {
@@ -25,26 +103,55 @@ impl<'a> Outputs<'a> {
         if self.is_misplaced() { f64::NAN } else { number(value_of(&mut self.view, self.loading, output)) }
     }
 
-    /// [`Self::value`] of as many outputs as there is memory for values, with the functions that they are derivatives
-    /// of; whether each of them has one.
-    // Not inlined, so that the loop has the registers for itself.
+    /// Replace these values by [`Self::value`] of as many outputs that are read together; whether each of them has one.
+    // Not inlined, so that the loops have the registers for themselves.
     #[inline(never)]
-    pub fn fill(&mut self, (outputs, functions): (&[Output], &[usize]), values: &mut [MaybeUninit<f64>]) -> bool {
-        if self.is_misplaced() {
-            values.fill(MaybeUninit::new(f64::NAN));
-            return values.is_empty();
+    pub fn fill(&mut self, together: &Together, values: &mut [f64]) -> bool {
+        let Self { view, loading } = self;
+        if view.loads.undriven.is_some() || view.find_functions(&together.functions).is_err() {
+            return self.fill_each(&together.outputs, values);
         }
-        self.view.find_functions(functions);
-        let (mut sum, mut outputs) = (0.0, outputs.iter());
-        for value in values {
-            let Some(output) = outputs.next() else { break };
-            let number = evaluate(&mut self.view, self.loading, output).unwrap_or_else(without_value);
-            // 0 for a finite number, else NaN.
-            let nothing = 0.0 * number;
-            sum += nothing;
-            value.write(number + nothing);
+        let speed = view.sigma_dot();
+        let acceleration = match together.accelerates {
+            true => view.forces().map_or(f64::NAN, |forces| forces.acceleration),
+            false => 0.0,
+        };
+        // The place of a value is found before the value, which takes fewer instructions.
+        for &Rate { index, function, order } in &together.rates {
+            let Some(value) = values.get_mut(index) else { continue };
+            let [_, slope, curvature] = view.cache.functions[function].values;
+            let second = slope * acceleration + curvature * speed * speed;
+            *value = if order == 1 { slope * speed } else { second };
         }
-        sum == 0.0
+        for &(index, joint, part) in &together.reactions {
+            let Some(value) = values.get_mut(index) else { continue };
+            if view.cache.reactions[joint].0 != view.cache.version
+                && let Err(reason) = view.find_reaction(joint)
+            {
+                *value = without_value(reason);
+                continue;
+            }
+            *value = part_of(view.cache.reactions[joint].1, part);
+        }
+        for &(index, drive, term) in &together.terms {
+            let Some(value) = values.get_mut(index) else { continue };
+            *value = view.drive_term(drive, term).unwrap_or_else(without_value);
+        }
+        for (index, output) in &together.others {
+            let Some(value) = values.get_mut(*index) else { continue };
+            *value = evaluate(view, loading, output).unwrap_or_else(without_value);
+        }
+        are_finite(values) || self.fill_each(&together.outputs, values)
+    }
+
+    /// [`Self::fill`] one by one: an output has no value, or an infinite one.
+    #[cold]
+    #[inline(never)]
+    fn fill_each(&mut self, outputs: &[Output], values: &mut [f64]) -> bool {
+        for (value, output) in values.iter_mut().zip(outputs) {
+            *value = self.value(output);
+        }
+        are_finite(values)
     }
 
     /// [`Self::value`] of several outputs.
@@ -54,7 +161,7 @@ impl<'a> Outputs<'a> {
             return outputs.iter().for_each(|_| give(f64::NAN));
         }
         for output in outputs {
-            give(number(evaluate(&mut self.view, self.loading, output)));
+            give(number(value_of(&mut self.view, self.loading, output)));
         }
     }
 
@@ -79,6 +186,17 @@ fn number(value: Result<f64, OutputError>) -> f64 {
 #[cold]
 fn without_value(_reason: OutputError) -> f64 {
     f64::NAN
+}
+
+/// Whether all numbers are finite: 0 times such a number is 0, else NaN. Pairs are summed at once.
+#[inline]
+fn are_finite(numbers: &[f64]) -> bool {
+    let (pairs, rest) = numbers.as_chunks::<2>();
+    let mut sums = [0.0; 2];
+    for pair in pairs {
+        sums = [sums[0] + 0.0 * pair[0], sums[1] + 0.0 * pair[1]];
+    }
+    rest.iter().fold(sums[0] + sums[1], |sum, number| sum + 0.0 * number) == 0.0
 }
 
 /// [`evaluate`] as a function of its own, for one output.
