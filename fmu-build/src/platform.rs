@@ -183,7 +183,7 @@ fn target(workspace: &Workspace, toolchain: &Toolchain, glibc: Option<&str>) -> 
     };
     let (arguments, linked) = both(standard_library(triple, toolchain.debian), linked)?;
     let triple = glibc.map_or_else(|| triple.to_owned(), |glibc| format!("{triple}.{glibc}"));
-    let variables = linked.into_iter().chain([sources::variable()?]).collect();
+    let variables = linked.into_iter().chain([sources::variable(toolchain.triple)?]).collect();
     let mut target = Target { subcommand, triple, extension, arguments, variables };
     if toolchain.linker.is_none() {
         macos::complete(&mut target, cfg!(target_os = "macos"));

@@ -63,7 +63,7 @@ impl StaticLibrary {
         cargo.arg("--message-format=json-render-diagnostics").args(arguments);
         // On this machine the engine is already compiled for the shared library.
         if !platform::is_this_machine(triple)? {
-            cargo.args(["--target", triple]).envs([sources::variable()?]);
+            cargo.args(["--target", triple]).envs([sources::variable(triple)?]);
         }
         cargo.args(["--", "--print", &format!("native-static-libs={}/needed", folder.display())]);
         let output = cargo.stderr(Stdio::inherit()).output().with_context(|| command::cannot_start(&cargo, "cargo"))?;

@@ -143,7 +143,7 @@ fn build(workspace: &Workspace, stage: &Path, arguments: &Arguments) -> Result<P
     if let Some(glibc) = &arguments.glibc {
         maturin.args(["--zig", "--target", platform::own_triple()?, "--compatibility"]);
         maturin.arg(format!("manylinux_{}", glibc.replace('.', "_")));
-        maturin.env("PATH", platform::path_with_zig(workspace)?).envs([sources::variable()?]);
+        maturin.env("PATH", platform::path_with_zig(workspace)?).envs([sources::variable(platform::own_triple()?)?]);
     }
     command::run(&mut maturin, "maturin build")?;
     wheel_in(&out)

@@ -10,6 +10,8 @@ use std::path::{Path, PathBuf};
 
 /// Replacement of the folder with the sources of packages in a library.
 const PLACE: &[u8] = b"crates";
+/// Target with separate flags in `.cargo/config.toml`, and the variable that adds flags.
+const SEPARATE: (&str, &str) = ("x86_64-unknown-linux-gnu", "CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUSTFLAGS");
 /// First bytes of a library of macOS for one 64-bit processor.
 const MACH_O: [u8; 4] = [0xcf, 0xfa, 0xed, 0xfe];
 
@@ -23,15 +25,17 @@ pub fn folder() -> Result<PathBuf> {
     Ok(home.join("registry").join("src"))
 }
 
-/// Variable for Cargo with which Rust omits the folder from all compiled files.
+/// Variable for Cargo with which Rust omits the folder from all files compiled for a target. Cargo adds its flags to
+/// the flags of `.cargo/config.toml`, where this target has separate flags.
 ///
 /// # Errors
 /// There is no home folder.
-pub fn variable() -> Result<(String, OsString)> {
+pub fn variable(triple: &str) -> Result<(String, OsString)> {
     let mut flag = OsString::from("--remap-path-prefix=");
     flag.push(folder()?);
     flag.push("=crates");
-    Ok(("CARGO_BUILD_RUSTFLAGS".to_owned(), flag))
+    let name = if triple == SEPARATE.0 { SEPARATE.1 } else { "CARGO_BUILD_RUSTFLAGS" };
+    Ok((name.to_owned(), flag))
 }
 
 /// Replace the path of the folder with the sources by `crates/////` in the messages of panics, because the path

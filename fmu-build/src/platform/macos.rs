@@ -82,7 +82,7 @@ mod tests {
                 triple: "aarch64-apple-darwin".to_owned(),
                 extension: "dylib",
                 arguments: Vec::new(),
-                variables: vec![sources::variable().unwrap()],
+                variables: vec![sources::variable("aarch64-apple-darwin").unwrap()],
             };
             complete(&mut target, is_on_macos);
             let cargo = library::command(&Workspace::locate(), &served::MECHANISMS, Some(&target));

@@ -176,13 +176,14 @@ impl<'a> Singular<'a> {
         let jacobian = self.jacobian(linkage, q);
         let (m, n, k) = (jacobian.nrows(), q.len(), l.ncols());
         let rows = m + n * k + k * k;
-        let flat = |matrix: DMatrix<f64>| DVector::from_column_slice(matrix.as_slice());
-        let mut residual = DVector::zeros(rows);
-        residual.rows_mut(0, m).copy_from(&self.gaps(linkage, q));
-        residual.rows_mut(m, n * k).copy_from(&flat(jacobian.tr_mul(l)));
-        residual.rows_mut(m + n * k, k * k).copy_from(&flat(normal.transpose().tr_mul(l) - DMatrix::identity(k, k)));
+        let (gaps, transposed) = (self.gaps(linkage, q), product(&jacobian, l));
+        let mut residual = DMatrix::zeros(rows, 1);
+        put(&mut residual, (0, 0), m, gaps.as_slice());
+        put(&mut residual, (m, 0), n * k, transposed.as_slice());
+        let unit = product(&normal.transpose(), l) - DMatrix::identity(k, k);
+        put(&mut residual, (m + n * k, 0), k * k, unit.as_slice());
         let mut own = DMatrix::zeros(rows, n + m * k);
-        own.view_mut((0, 0), (m, n)).copy_from(&jacobian);
+        put(&mut own, (0, 0), m, jacobian.as_slice());
         for column in 0..n {
             let at = |sign: f64| {
                 let mut q = q.clone();
@@ -190,14 +191,14 @@ impl<'a> Singular<'a> {
                 self.jacobian(linkage, &q)
             };
             let change = (at(1.0) - at(-1.0)) / (2.0 * DIFFERENCE);
-            own.view_mut((m, column), (n * k, 1)).copy_from(&flat(change.tr_mul(l)));
+            put(&mut own, (m, column), n * k, product(&change, l).as_slice());
         }
+        let transpose = jacobian.transpose();
         for c in 0..k {
-            own.view_mut((m + c * n, n + c * m), (n, m)).copy_from(&jacobian.transpose());
-            own.view_mut((m + n * k + c * k, n + c * m), (k, m)).copy_from(normal);
+            put(&mut own, (m + c * n, n + c * m), n, transpose.as_slice());
+            put(&mut own, (m + n * k + c * k, n + c * m), k, normal.as_slice());
         }
         let mut moves = DMatrix::zeros(rows, 2 * self.points.len());
-        let (gaps, transposed) = (self.gaps(linkage, q), jacobian.tr_mul(l));
         let mut unit = vec![Vec2::zeros(); self.points.len()];
         // Points of the present linkage, in the same order.
         let points = self.points.iter().map(|point| self.moved(linkage, *point)).collect::<Vec<_>>();
@@ -205,11 +206,11 @@ impl<'a> Singular<'a> {
             unit[column / 2][column % 2] = self.drawn.size;
             let other = linkage.with_moved_points(&points, &unit);
             unit[column / 2][column % 2] = 0.0;
-            moves.view_mut((0, column), (m, 1)).copy_from(&(self.gaps(&other, q) - &gaps));
-            let change = self.jacobian(&other, q).tr_mul(l) - &transposed;
-            moves.view_mut((m, column), (n * k, 1)).copy_from(&flat(change));
+            put(&mut moves, (0, column), m, (self.gaps(&other, q) - &gaps).as_slice());
+            let change = product(&self.jacobian(&other, q), l) - &transposed;
+            put(&mut moves, (m, column), n * k, change.as_slice());
         }
-        Linear { residual, own, moves }
+        Linear { residual: residual.column(0).into_owned(), own, moves }
     }
 
     /// A point of the drawn linkage in another one with moved points.
@@ -234,6 +235,20 @@ impl<'a> Singular<'a> {
     }
 }
 
+/// A^T B. Its loops are compiled once, here and below.
+#[inline(never)]
+fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    a.tr_mul(b)
+}
+
+/// Write the columns of a matrix with this number of rows into a larger matrix, from this row and column on.
+#[inline(never)]
+fn put(into: &mut DMatrix<f64>, (row, column): (usize, usize), rows: usize, part: &[f64]) {
+    for (mut into, part) in into.column_iter_mut().skip(column).zip(part.chunks_exact(rows)) {
+        into.as_mut_slice()[row..row + rows].copy_from_slice(part);
+    }
+}
+
 /// Moves of least norm that solve the linearised equations of all places, and the step of each place.
 fn step(linear: &[Linear], moves: &DVector<f64>) -> Option<(DVector<f64>, Vec<DVector<f64>>)> {
     let mut conditions: Vec<(DMatrix<f64>, DVector<f64>)> = Vec::new();
@@ -249,16 +264,15 @@ fn step(linear: &[Linear], moves: &DVector<f64>) -> Option<(DVector<f64>, Vec<DV
             return None;
         }
         let null = DMatrix::from_columns(&null);
-        conditions.push((null.tr_mul(by_moves), null.tr_mul(&(by_moves * moves - residual))));
+        conditions.push((product(&null, by_moves), null.tr_mul(&(by_moves * moves - residual))));
     }
     let count = conditions.iter().map(|(left, _)| left.nrows()).sum();
-    let (mut left, mut right) = (DMatrix::zeros(count, moves.len()), DVector::zeros(count));
-    let mut first = 0;
+    let (mut left, mut right) = (DMatrix::zeros(count, moves.len()), Vec::with_capacity(count));
     for (part, value) in conditions {
-        left.view_mut((first, 0), part.shape()).copy_from(&part);
-        right.rows_mut(first, value.len()).copy_from(&value);
-        first += value.len();
+        put(&mut left, (right.len(), 0), value.len(), part.as_slice());
+        right.extend_from_slice(value.as_slice());
     }
+    let right = DVector::from_vec(right);
     let svd = left.svd(true, true);
     let cut = RANK * svd.singular_values.max();
     let next = svd.solve(&right, cut).ok()?;

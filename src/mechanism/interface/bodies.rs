@@ -67,7 +67,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
         let between =
             [" that the body ", body(j.first.body), " exerts on the body ", body(j.second.body), " in the joint ", n]
                 .concat();
-        let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, needs);
+        let mut add = |suffix, text, unit, output| b.output(n, suffix, &[text, &between], unit, output, &needs);
         let reaction = |part| Output::Reaction { joint, part };
         add("force_x", "x component (in the mechanism frame) of the force", Newton, reaction(ReactionPart::X));
         add("force_y", "y component (in the mechanism frame) of the force", Newton, reaction(ReactionPart::Y));
@@ -93,7 +93,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
             ["Slip speed of the body ", body(j.second.body), " on the body ", body(j.first.body), " in the joint ", n];
         let FrictionJoint { load, surface, .. } = friction_joints[friction_joint];
         let slip = Needs { inputs: surface.as_slice(), ..s.slip_speed(load) };
-        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, slip);
+        b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, &slip);
         if surface.is_some() {
             let text = [
                 "Power that moves the surface of the body ",
@@ -101,7 +101,7 @@ pub(super) fn add_reactions(b: &mut Builder) {
                 " against the friction in the joint ",
                 n,
             ];
-            b.output(n, "surface_power", &text, Watt, Output::SurfacePower { friction_joint }, needs);
+            b.output(n, "surface_power", &text, Watt, Output::SurfacePower { friction_joint }, &needs);
         }
     }
 }
@@ -126,7 +126,7 @@ pub(super) fn add_markers(b: &mut Builder) {
             for (axis, letter) in ["x", "y"].into_iter().enumerate() {
                 let (text, output) =
                     ([letter, word, n, " in the mechanism frame"], Output::Marker { marker, axis, order });
-                b.output(n, suffixes[axis], &text, unit, output, needs);
+                b.output(n, suffixes[axis], &text, unit, output, &needs);
                 if order > 0 {
                     b.is_rate_of(2);
                 }
@@ -141,12 +141,12 @@ pub(super) fn add_energy(b: &mut Builder) {
     let stored: Vec<usize> = gravity.iter().copied().chain(loading.sized()..loading.base()).collect();
     let kinetic = Needs { speed: true, inertia: true, ..placed() };
     let potential = Needs { inputs: gravity, loads: &stored, ..placed() };
-    b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, kinetic);
+    b.output("energy", "kinetic", &["Kinetic energy of the mechanism"], Joule, Output::Kinetic, &kinetic);
     let text = "Potential energy of the mechanism: energy of gravity (at the present load factor) and of the springs";
-    b.output("energy", "potential", &[text], Joule, Output::Potential, potential);
+    b.output("energy", "potential", &[text], Joule, Output::Potential, &potential);
     let text = "Error of the time integration, expressed as an energy: present energy minus the energy at the start, \
                 minus the work of all loads since the start of the run";
-    b.output("energy", "drift", &[text], Joule, Output::Drift, Needs::default());
+    b.output("energy", "drift", &[text], Joule, Output::Drift, &Needs::default());
 }
 
 /// Eigenfrequency and damping ratio, where the definition asks for them.
@@ -156,7 +156,7 @@ pub(super) fn add_small_motion(b: &mut Builder) {
     }
     let needs = b.source.acceleration();
     let mut add = |suffix, text, unit, output| {
-        b.output("linearisation", suffix, &[text], unit, Output::SmallMotion(output), needs);
+        b.output("linearisation", suffix, &[text], unit, Output::SmallMotion(output), &needs);
     };
     let text = "Eigenfrequency of undamped small motions of the mechanism about the present state";
     add("eigenfrequency", text, Hertz, SmallMotion::Eigenfrequency);

@@ -67,12 +67,12 @@ impl<'a> Builder<'a> {
         (unit, start): (Option<Unit>, Value),
         quantity: Quantity,
     ) {
-        self.add((name, description), causality, (unit, Some(start)), quantity, Needs::default());
+        self.add((name, description), causality, (unit, Some(start)), quantity, &Needs::default());
     }
 
     /// Parameter that follows from others, which have these references.
     pub fn calculated(&mut self, name: String, text: String, unit: Unit, quantity: Quantity, bases: Vec<Reference>) {
-        self.add((name, text), Causality::CalculatedParameter, (Some(unit), None), quantity, Needs::default());
+        self.add((name, text), Causality::CalculatedParameter, (Some(unit), None), quantity, &Needs::default());
         if self.causes.is_some() {
             self.initial.pop();
             self.initial.push(bases.clone());
@@ -84,14 +84,14 @@ impl<'a> Builder<'a> {
 
     /// Real output `owner.suffix`.
     #[inline(never)]
-    pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: Needs) {
+    pub fn output(&mut self, owner: &str, suffix: &str, text: &[&str], unit: Unit, output: Output, needs: &Needs) {
         let quantity = Quantity::Output(output);
         self.any_output([owner, ".", suffix].concat(), self.text(|| text.concat()), Some(unit), quantity, needs);
     }
 
     /// Output, Boolean where it has no unit.
     #[inline(never)]
-    pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: Needs) {
+    pub fn any_output(&mut self, name: String, text: String, unit: Option<Unit>, quantity: Quantity, needs: &Needs) {
         self.add((name, text), Causality::Output, (unit, None), quantity, needs);
     }
 
@@ -99,7 +99,7 @@ impl<'a> Builder<'a> {
     #[inline(never)]
     pub fn local(&mut self, name: String, text: String, unit: Unit, output: Output) {
         let quantity = Quantity::Output(output);
-        self.add((name, text), Causality::Local, (Some(unit), None), quantity, Needs::default());
+        self.add((name, text), Causality::Local, (Some(unit), None), quantity, &Needs::default());
     }
 
     /// A coordinate and its time derivatives; `stated`: whether the start states this coordinate.
@@ -108,7 +108,7 @@ impl<'a> Builder<'a> {
         let position = Needs { closure: !stated, ..placed() };
         let needs = [position, Needs { position: !stated, speed: true, ..position }, all];
         for (order, (suffix, text, unit)) in derivatives.into_iter().enumerate() {
-            self.output(owner, suffix, &[text, " ", owner], unit, output(order), needs[order]);
+            self.output(owner, suffix, &[text, " ", owner], unit, output(order), &needs[order]);
             if order > 0 {
                 self.is_rate_of(1);
             }
@@ -128,7 +128,7 @@ impl<'a> Builder<'a> {
         causality: Causality,
         (unit, start): (Option<Unit>, Option<Value>),
         quantity: Quantity,
-        needs: Needs,
+        needs: &Needs,
     ) {
         if self.source.mechanism.is_massless() && self.source.needs_masses(quantity) {
             return;
@@ -146,13 +146,13 @@ impl<'a> Builder<'a> {
         let is_moved = causality == Causality::Output && !is_discrete(quantity) || quantity == Quantity::State(2);
         let moved = self.source.moved((needs.inputs, needs.loads), is_moved);
         let needs = match &moved {
-            Some((inputs, loads)) => Needs { closure: true, position: true, speed: true, inputs, loads, ..needs },
+            Some((inputs, loads)) => &Needs { closure: true, position: true, speed: true, inputs, loads, ..*needs },
             None => needs,
         };
         self.dependencies += needs.inputs.len();
         let kept = if self.dependencies > MOST_DEPENDENCIES { &[][..] } else { needs.inputs };
         let dependencies = kept.iter().map(|&i| i as Reference).collect();
-        self.initial.push(self.initial_of(quantity, &needs));
+        self.initial.push(self.initial_of(quantity, needs));
         let nominal = match &start {
             Some(Value::Real(value)) if causality == Causality::Input && *value != 0.0 => Some(value.abs()),
             _ => None,

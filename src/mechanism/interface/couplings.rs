@@ -19,7 +19,7 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
             .concat();
     let mut add = |suffix, text, part| {
         let output = Output::Reaction { joint, part };
-        b.output(n, suffix, &[text, &between], Newton, output, needs);
+        b.output(n, suffix, &[text, &between], Newton, output, &needs);
     };
     add("force_x", "x component (in the mechanism frame) of the force", ReactionPart::X);
     add("force_y", "y component (in the mechanism frame) of the force", ReactionPart::Y);
@@ -36,9 +36,11 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
             [first, " exerts on the body ", body(j.second.body), " because of the losses in the coupling ", n].concat();
         return match s.linkage.couplings[coupling].second {
             Second::Angle { .. } => {
-                b.output(n, "loss_torque", &["Torque that the body ", &on], NewtonMetre, output, needs)
+                b.output(n, "loss_torque", &["Torque that the body ", &on], NewtonMetre, output, &needs)
             }
-            Second::Position { .. } => b.output(n, "loss_force", &["Force that the body ", &on], Newton, output, needs),
+            Second::Position { .. } => {
+                b.output(n, "loss_force", &["Force that the body ", &on], Newton, output, &needs)
+            }
         };
     }
     add(
@@ -48,11 +50,11 @@ pub(super) fn add(b: &mut Builder, joint: usize, needs: Needs) {
     );
     let text =
         ["Pressure angle of the cam ", n, ": angle from the direction of the lift to the normal of the cam profile"];
-    b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, placed());
+    b.output(n, "pressure_angle", &text, Radian, Output::PressureAngle { coupling }, &placed());
     let Some(friction_joint) = friction_joints.iter().position(|own| own.joint == joint) else { return };
     let text = ["Friction force along the profile on the follower (clockwise about the cam positive) in the cam ", n];
-    b.output(n, "friction_force", &text, Newton, Output::Friction { friction_joint }, needs);
+    b.output(n, "friction_force", &text, Newton, Output::Friction { friction_joint }, &needs);
     let text = ["Slip speed of the follower on the cam (clockwise about the cam positive) in the cam ", n];
     let needs = s.slip_speed(friction_joints[friction_joint].load);
-    b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, needs);
+    b.output(n, "slip_speed", &text, MetrePerSecond, Output::SlipSpeed { friction_joint }, &needs);
 }

@@ -134,13 +134,13 @@ fn add_acting_force(b: &mut Builder, drive: usize) {
             // A state of its own, which no input changes at once.
             Some(_) => (Output::Controller { drive, state: ControlState::Force, order: 0 }, state()),
         };
-        b.output(n, suffix, &[what, n, text], unit, output, now);
+        b.output(n, suffix, &[what, n, text], unit, output, &now);
         add_controller_states(b, drive, law, needs);
     } else if s.loading.motion.as_ref().is_some_and(|motion| motion.load == drive) {
         let needs = Needs { masses: true, ..s.acceleration() };
         let text =
             [what, n, ": value for the prescribed motion, or the input of the drive while no motion is prescribed"];
-        b.output(n, suffix, &text, unit, Output::ActingForce { drive }, needs);
+        b.output(n, suffix, &text, unit, Output::ActingForce { drive }, &needs);
     }
 }
 
@@ -168,13 +168,13 @@ fn add_controller_states(b: &mut Builder, drive: usize, law: &DriveLaw, needs: N
         {
             let suffix = ["integral_", what, end].concat();
             let output = Output::Controller { drive, state: integral, order };
-            b.output(n, &suffix, &[word, &of], units[order], output, needs);
+            b.output(n, &suffix, &[word, &of], units[order], output, &needs);
         }
     }
     if law.states[force as usize].is_some() {
         let suffix = ["acting_", what, "_rate"].concat();
         let output = Output::Controller { drive, state: force, order: 1 };
-        b.output(n, &suffix, &["Time derivative of the acting", &of], units[1], output, needs);
+        b.output(n, &suffix, &["Time derivative of the acting", &of], units[1], output, &needs);
     }
 }
 
@@ -202,7 +202,7 @@ fn add_displacement(b: &mut Builder, load: usize, order: usize) {
         _ => ("acceleration", "Second time derivative of the ", s.acceleration()),
     };
     let output = Output::Displacement { load, order };
-    b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, needs);
+    b.output(n, suffix, &[word, what, " of the drive ", n], units[order], output, &needs);
 }
 
 /// The word for the displacement of a drive, and the units of its time derivatives.
@@ -223,7 +223,7 @@ fn add_loss(b: &mut Builder, drive: usize) {
     let name = s.loading.drives[drive].name.as_str();
     let text = ["Force of the losses on the nut of the screw ", name, ", positive where it increases the stroke"];
     let needs = Needs { masses: true, ..s.acceleration() };
-    b.output(name, "loss_force", &text, Newton, Output::Friction { friction_joint }, needs);
+    b.output(name, "loss_force", &text, Newton, Output::Friction { friction_joint }, &needs);
 }
 
 /// The terms of the mechanism reduced to a drive.
@@ -233,7 +233,7 @@ fn add_one_element(b: &mut Builder, drive: usize) {
         ReducedMass, ReducedMassDerivative, RequiredForce, StaticLoad, UpperLimit,
     };
     let (s, l) = (b.source, &b.source.loading);
-    let (n, is_rotary, loses) = (l.drives[drive].name.as_str(), l.drives[drive].is_rotary, l.drives[drive].efficiency);
+    let (n, loses) = (l.drives[drive].name.as_str(), l.drives[drive].efficiency);
     let (rubs, any_loses) = (s.has_friction(), l.drives.iter().any(|d| d.efficiency.is_some()));
     let damped = s.mechanism.springs.iter().any(|(_, s)| s.damping.is_some() || s.damping_points.is_some());
     let own_commands = l.drives[drive].law.as_ref().map_or(0..0, DriveLaw::commands);
@@ -262,57 +262,72 @@ fn add_one_element(b: &mut Builder, drive: usize) {
     let breakaway = Needs { statics: true, lossless: false, ..holding };
     let stops = order::distinct(l.stops.iter().map(|stop| stop.load).chain([drive]).collect());
     let locks: Vec<usize> = s.locks().collect();
-    let mut add = |linear, rotary, text: &str, units: [Unit; 2], term, needs| {
-        let (suffix, unit) = if is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
-        // An @ in the text stands for the drive.
-        let (before, after) = text.split_once('@').unwrap_or((text, ""));
-        b.output(n, suffix, &[before, n, after], unit, Output::OneElement { drive, term }, needs);
+    let mut add = |linear, rotary, text, units, term, needs: &Needs| {
+        add_term(b, drive, [linear, rotary], text, units, term, needs);
     };
     let (inertia, force) = ([Kilogram, KilogramSquareMetre], [Newton, NewtonMetre]);
     let change = [KilogramPerMetre, KilogramSquareMetrePerRadian];
     let text = "Mass (for a rotary drive: moment of inertia) of the whole mechanism, reduced to the drive @";
-    add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, mass);
+    add("reduced_mass", "reduced_inertia", text, inertia, ReducedMass, &mass);
     let text = "Derivative of the reduced mass or inertia with respect to the displacement of the drive @";
-    add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, mass);
+    add("reduced_mass_derivative", "reduced_inertia_derivative", text, change, ReducedMassDerivative, &mass);
     let text = "Sum of all present loads except the force of the drive, reduced to the drive @";
-    add("static_load", "static_load", text, force, StaticLoad, load);
+    add("static_load", "static_load", text, force, StaticLoad, &load);
     let text = "Force or torque at the drive @ due to the changing reduced mass: -1/2 x speed^2 x derivative of the \
         reduced mass";
-    add("additional_force", "additional_torque", text, force, AdditionalForce, additional);
+    add("additional_force", "additional_torque", text, force, AdditionalForce, &additional);
     let text = "Force or torque of the drive @ that causes the demanded acceleration, including friction and losses";
-    add("required_force", "required_force", text, force, RequiredForce, required);
+    add("required_force", "required_force", text, force, RequiredForce, &required);
     let text = "Force or torque of the drive @ that holds the mechanism at rest under the present loads, without \
         friction and losses";
-    add("holding_force", "holding_torque", text, force, HoldingForce, holding);
+    add("holding_force", "holding_torque", text, force, HoldingForce, &holding);
     let text = "Derivative of the holding force or torque with respect to the displacement of the drive @";
     let (linear, rotary) = ("holding_force_derivative", "holding_torque_derivative");
     let (stiffness, term) = ([NewtonPerMetre, NewtonMetrePerRadian], HoldingForceDerivative);
-    add(linear, rotary, text, stiffness, term, holding);
+    add(linear, rotary, text, stiffness, term, &holding);
     if !l.stops.is_empty() {
         let limit = Needs { inputs: &locks, loads: &stops, ..placed() };
         let (text, way) = ("Smallest displacement of the drive @ that stops and locks allow", [Metre, Radian]);
-        add("lower_limit", "lower_limit", text, way, LowerLimit, limit);
+        add("lower_limit", "lower_limit", text, way, LowerLimit, &limit);
         let text = "Largest displacement of the drive @ that stops and locks allow";
-        add("upper_limit", "upper_limit", text, way, UpperLimit, limit);
+        add("upper_limit", "upper_limit", text, way, UpperLimit, &limit);
     }
     if rubs {
         let text = "Force or torque of the drive @ above which the mechanism starts to move forward from rest, with \
             friction";
-        add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, breakaway);
+        add("breakaway_force_forward", "breakaway_torque_forward", text, force, BreakawayForward, &breakaway);
         let text = "Force or torque of the drive @ below which the mechanism starts to move backward from rest, with \
             friction";
-        add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, breakaway);
+        add("breakaway_force_backward", "breakaway_torque_backward", text, force, BreakawayBackward, &breakaway);
         let text = b.text(|| {
             let force =
                 ": no force of the drive causes the demanded acceleration, or no force of the drive starts a motion ";
             ["True while friction locks the mechanism against the drive ", n, force, "forward or backward"].concat()
         });
         let locking = Needs { statics: true, ..required };
-        b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), locking);
+        b.any_output([n, ".self_locking"].concat(), text, None, Quantity::SelfLocking(drive), &locking);
     }
     if s.mechanism.actuators.iter().nth(drive).is_some_and(|(_, a)| a.by_body) {
         add_by_body(b, drive, [mass, load]);
     }
+}
+
+/// A term for a linear or a rotary drive, by name and unit. An @ in the text stands for the drive.
+// Called, so that the code exists once for all terms.
+#[inline(never)]
+fn add_term(
+    b: &mut Builder,
+    drive: usize,
+    [linear, rotary]: [&str; 2],
+    text: &str,
+    units: [Unit; 2],
+    term: OneElement,
+    needs: &Needs,
+) {
+    let own = &b.source.loading.drives[drive];
+    let (suffix, unit) = if own.is_rotary { (rotary, units[1]) } else { (linear, units[0]) };
+    let (before, after) = text.split_once('@').unwrap_or((text, ""));
+    b.output(&own.name, suffix, &[before, &own.name, after], unit, Output::OneElement { drive, term }, needs);
 }
 
 /// The part of each moving body in the mechanism reduced to a drive; `mass`, `load`: needs of the whole reduced
@@ -325,17 +340,17 @@ fn add_by_body(b: &mut Builder, drive: usize, [mass, load]: [Needs; 2]) {
     let (mass, load) = (Needs { masses: true, ..mass }, Needs { masses: true, ..load });
     for (index, body) in s.linkage.bodies.iter().enumerate().skip(1) {
         let owner = [n, ".", &body.name].concat();
-        let mut add = |suffix, [before, between]: [&str; 2], unit, part, needs| {
+        let mut add = |suffix, [before, between]: [&str; 2], unit, part, needs: &Needs| {
             let output = Output::OneElement { drive, term: OneElement::OfBody(index, part) };
             b.output(&owner, suffix, &[before, &body.name, between, n], unit, output, needs);
         };
         let (suffix, unit) =
             if is_rotary { ("reduced_inertia", KilogramSquareMetre) } else { ("reduced_mass", Kilogram) };
         let text = ["Mass (for a rotary drive: moment of inertia) of the body ", ", reduced to the drive "];
-        add(suffix, text, unit, ReducedMass, mass);
+        add(suffix, text, unit, ReducedMass, &mass);
         let unit = if is_rotary { NewtonMetre } else { Newton };
         let text = ["Sum of all present loads on the body ", ", reduced to the drive "];
-        add("static_load", text, unit, StaticLoad, load);
+        add("static_load", text, unit, StaticLoad, &load);
         let (center, angle) = match is_rotary {
             true => (("effective_radius", Metre, CenterByDrive), ("ratio", One, DriveByAngle)),
             false => (("ratio", One, DriveByCenter), ("effective_radius", Metre, DriveByAngle)),
@@ -349,11 +364,11 @@ fn add_by_body(b: &mut Builder, drive: usize, [mass, load]: [Needs; 2]) {
                 ", for the drive ",
             ],
         };
-        add(center.0, text, center.1, center.2, ratio);
+        add(center.0, text, center.1, center.2, &ratio);
         if body.angle_coordinate.is_some() {
             let what = if is_rotary { "Ratio" } else { "Effective radius" };
             let before = [what, ": speed of the drive, divided by the angular speed of the body "].concat();
-            add(angle.0, [&before, ", for the drive "], angle.1, angle.2, ratio);
+            add(angle.0, [&before, ", for the drive "], angle.1, angle.2, &ratio);
         }
     }
 }

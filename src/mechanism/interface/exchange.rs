@@ -226,6 +226,6 @@ impl Builder<'_> {
     /// Real local variable of model exchange, with the inputs on which it depends.
     fn state(&mut self, name: String, text: String, unit: Unit, quantity: Quantity, inputs: &[usize]) {
         let needs = super::needs::Needs { inputs, ..Default::default() };
-        self.add((name, text), Causality::Local, (Some(unit), None), quantity, needs);
+        self.add((name, text), Causality::Local, (Some(unit), None), quantity, &needs);
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn add_force(b: &mut Builder, name: &str, cylinder: usize) {
     let output = if of_network { Output::Network(network::Output::Force(cylinder)) } else { FORCE };
     let text = ["Force of ", name, ", computed by the hydraulic circuit. A positive force pushes the two ends apart"];
     let needs = Needs { speed: true, circuit: true, ..placed() };
-    b.output(name, "force", &text, Newton, output, needs);
+    b.output(name, "force", &text, Newton, output, &needs);
 }
 
 /// Adds the inputs and the outputs. A library that never allows hydraulics does not contain their code.
@@ -313,12 +313,12 @@ fn add_network(b: &mut Builder) {
             OfNetwork::Output(output @ network::Output::EndForce(_)) => (output, s.acceleration()),
             OfNetwork::Output(output) => (output, Needs { circuit: !total(output), ..needs }),
             OfNetwork::Lock(lock) => {
-                b.any_output(variable.name, text, None, Quantity::PressureLock(lock), needs);
+                b.any_output(variable.name, text, None, Quantity::PressureLock(lock), &needs);
                 continue;
             }
             _ => continue,
         };
-        b.any_output(variable.name, text, variable.unit, Quantity::Output(Output::Network(output)), needs);
+        b.any_output(variable.name, text, variable.unit, Quantity::Output(Output::Network(output)), &needs);
     }
 }
 
@@ -330,10 +330,10 @@ fn add_outputs(b: &mut Builder) {
     let position = Needs { loads: &[drive.load], ..s.displacement(drive.load) };
     let stiffness = Needs { circuit: true, ..position };
     let text = ["Stiffness of the compressed oil in the cylinder of the drive ", name];
-    b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), stiffness);
+    b.output(name, "stiffness", &text, NewtonPerMetre, Output::Hydraulic(Hydraulic::Stiffness), &stiffness);
     let damping = Needs { speed: true, ..stiffness };
     let text = ["Derivative of the friction force of the piston seals with respect to the speed of the drive ", name];
-    b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), damping);
+    b.output(name, "damping", &text, NewtonSecondPerMetre, Output::Hydraulic(Hydraulic::Damping), &damping);
     for &(owner, suffix, text, unit, output, [length, speed, flows]) in OUTPUTS {
         let is_sum = matches!(output, Hydraulic::Energy(_) | Hydraulic::Balance);
         let placed = if length { position } else { Needs::default() };
@@ -347,6 +347,6 @@ fn add_outputs(b: &mut Builder) {
             Hydraulic::EndForce => s.acceleration(),
             _ => Needs { speed: speed || placed.speed, inputs, circuit: !is_sum, ..placed },
         };
-        b.output(owner, suffix, &[text], unit, Output::Hydraulic(output), needs);
+        b.output(owner, suffix, &[text], unit, Output::Hydraulic(output), &needs);
     }
 }

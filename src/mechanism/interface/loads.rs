@@ -58,7 +58,7 @@ pub(super) fn add_springs(b: &mut Builder) {
         let position = Needs { loads: &[load], ..s.displacement(load) };
         let needs = Needs { speed: defined.damping.is_some() || defined.damping_points.is_some(), ..position };
         let text = ["Present ", what, " of the spring ", n];
-        b.output(n, what, &text, unit, Output::Displacement { load, order: 0 }, position);
+        b.output(n, what, &text, unit, Output::Displacement { load, order: 0 }, &position);
         let text = match defined.between() {
             Some(Between::Bodies([first, second])) => &[
                 "Total torque of the spring `",
@@ -70,7 +70,7 @@ pub(super) fn add_springs(b: &mut Builder) {
             ][..],
             _ => &["Total ", force, " of the spring `", n, "` (elastic ", force, ", damping and preload)", sense],
         };
-        b.output(n, force, text, force_unit, Output::SpringForce { spring: i }, needs);
+        b.output(n, force, text, force_unit, Output::SpringForce { spring: i }, &needs);
     }
 }
 
@@ -82,7 +82,7 @@ pub(super) fn add_surfaces(b: &mut Builder) {
         let position = s.position(&[surface.start.body]);
         let needs = Needs { speed: true, inputs: airspeed.as_slice(), loads: &loads, ..position };
         let text = ["Drag of the air on the surface ", n, ": component in the direction of the flow"];
-        b.output(n, "drag", &text, Newton, Output::Drag { surface: i }, needs);
+        b.output(n, "drag", &text, Newton, Output::Drag { surface: i }, &needs);
     }
 }
 
@@ -118,13 +118,13 @@ pub(super) fn add_stops(b: &mut Builder) {
         };
         let needs = Needs { loads: &[stop.load], ..position };
         let text = b.text(|| ["True while the mechanism is at the stop ", n, " or beyond this stop"].concat());
-        b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), needs);
+        b.any_output(stated.unwrap_or_else(|| [n, ".reached"].concat()), text, None, Quantity::AtStop(i), &needs);
         let (suffix, what, unit) = match stop.quantity == "angle" {
             true => ("torque", "Torque of the stop ", NewtonMetre),
             false => ("force", "Force of the stop ", Newton),
         };
         let text = [what, n, " on the mechanism, negative for an upper stop"];
-        b.output(n, suffix, &text, unit, Output::Stop { stop: i }, s.acceleration());
+        b.output(n, suffix, &text, unit, Output::Stop { stop: i }, &s.acceleration());
         add_impacts(b, i, if stop.quantity == "angle" { KilogramSquareMetrePerSecond } else { NewtonSecond });
     }
 }
@@ -145,7 +145,7 @@ fn add_impacts(b: &mut Builder, stop: usize, impulse: Unit) {
         ("impact_impulse", ["Impulse of the last impact on the stop ", size], impulse, ImpactPart::Impulse),
     ];
     for (suffix, [before, after], unit, part) in parts {
-        b.output(name, suffix, &[before, name, after], unit, Output::Impact { stop, part }, Needs::default());
+        b.output(name, suffix, &[before, name, after], unit, Output::Impact { stop, part }, &Needs::default());
     }
 }
 
@@ -163,7 +163,7 @@ pub(super) fn add_contact_mode(b: &mut Builder) {
         )
     });
     let name = "contact.mode".to_owned();
-    b.add((name, text), Causality::Local, (None, None), Quantity::Contact, Needs::default());
+    b.add((name, text), Causality::Local, (None, None), Quantity::Contact, &Needs::default());
 }
 
 /// Whether friction holds the mechanism, where its law can.
@@ -171,7 +171,7 @@ pub(super) fn add_sticking(b: &mut Builder) {
     let s = b.source;
     if s.mechanism.sticks() && s.has_friction() {
         let text = b.text(|| "True while friction holds the mechanism at rest".to_owned());
-        b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, s.acceleration());
+        b.any_output("friction.sticking".to_owned(), text, None, Quantity::Sticking, &s.acceleration());
     }
 }
 
@@ -180,10 +180,10 @@ pub(super) fn add_locks(b: &mut Builder) {
     for (i, lock) in s.loading.locks.iter().enumerate() {
         let stop = &s.loading.stops[lock.stop].name;
         let text = ["Force of the lock ", &lock.name, " on the mechanism, positive towards the stop ", stop];
-        b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, s.acceleration());
+        b.output(&lock.name, "force", &text, Newton, Output::Lock { lock: i }, &s.acceleration());
         if lock.engage.is_some() {
             let text = b.text(|| ["True while the lock ", &lock.name, " is engaged"].concat());
-            b.any_output([&lock.name, ".engaged"].concat(), text, None, Quantity::Engaged(i), Needs::default());
+            b.any_output([&lock.name, ".engaged"].concat(), text, None, Quantity::Engaged(i), &Needs::default());
         }
     }
 }
