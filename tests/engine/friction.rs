@@ -135,14 +135,19 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
     assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
 }
 
-/// Where the brace of a landing gear is in line, seven joints come to rest together: they change their regime together.
+/// The slowest doStep of a landing gear limits real-time use. While its brace passes the dead centre, where seven joints
+/// come to rest together, friction changes its regime up to four times in 1 ms, and two reactions pass near 0.
 #[test]
-fn joints_that_rest_together_change_their_regime_together() {
+fn no_step_of_a_landing_gear_needs_many_evaluations() {
     let mut gear = Run::new(MAIN_GEAR).started();
-    gear.steps(13, 0.013);
-    let before = gear.statistics().evaluations;
-    gear.step(1e-3);
-    // 105 with one change for each joint.
-    let needed = gear.statistics().evaluations - before;
-    assert!(needed <= 75, "{needed} evaluations");
+    let needed: Vec<u64> = (0..30)
+        .map(|_| {
+            let before = gear.statistics().evaluations;
+            gear.step(1e-3);
+            gear.statistics().evaluations - before
+        })
+        .collect();
+    // 95 and 740 where a step does not end near the next change.
+    assert!(needed.iter().all(|needed| *needed <= 83), "{needed:?}");
+    assert!(needed.iter().sum::<u64>() <= 615, "{needed:?}");
 }

@@ -104,7 +104,9 @@ fn a_change_of_regime_costs_no_second_step() {
     let mut model = gear(&FRICTION, &[]);
     model.step(0.13);
     let work = model.statistics();
-    assert_eq!(work.accepted_by(Method::Dop853), work.accepted, "steps of DOP853 alone");
+    // A step that ends just beyond a change may be short enough for DOPRI5, whose interpolant is as accurate as the step.
+    let [cheaper, others] = [Method::Dopri5, Method::Dop853].map(|method| work.accepted_by(method));
+    assert!(cheaper <= 1 && cheaper + others == work.accepted, "steps of other methods: {work:?}");
     // The start, and interpolants of steps that come near a border.
     let constant = 12;
     assert!(work.evaluations <= 12 * (work.accepted + work.rejected) + 4 * 8 + constant, "{work:?}");

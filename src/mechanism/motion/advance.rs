@@ -88,6 +88,9 @@ pub struct Progress {
 /// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way
 /// to the knot, and its error estimate sees what is there, however narrow.
 const BEYOND_KNOT: f64 = 1.1;
+/// How far beyond the next change of a regime of friction a step may try to go, in times to the change at the present
+/// rates: the rates change, and a step that ends before the change is in vain as well.
+const BEYOND_CHANGE: f64 = 1.25;
 /// Growth of a step after one that was made shorter because it was too coarse for its events.
 const GROWTH: f64 = 3.0;
 
@@ -192,9 +195,10 @@ where
     #[inline(always)]
     fn aim(&mut self, z: &[f64; N], span: f64) -> Aim {
         let t = self.progress.t;
-        let is_beyond = self.progress.may_pass && self.integrator.outlasts(span - t);
+        let change = self.beyond_next_change(z);
+        let is_beyond = self.progress.may_pass && self.integrator.outlasts(span - t) && change > span;
         let end = if is_beyond { Integrator::<N>::farthest(t, span) } else { span };
-        let kink = self.dynamics.next_kink::<N>(t).min(self.latest(z));
+        let kink = self.dynamics.next_kink::<N>(t).min(self.latest(z)).min(change);
         let is_cut = kink < end;
         Aim { end: if is_cut { kink } else { end }, is_beyond, is_cut }
     }
@@ -203,7 +207,6 @@ where
     #[inline(always)]
     fn continuous_step(&mut self, z: &[f64; N], aim: Aim) -> Result<Step<N>, IntegrationError> {
         let t = self.progress.t;
-        self.dynamics.scratch.evaluator.begin_step();
         if aim.is_beyond {
             self.integrator.step_beyond(self.dynamics, t, z, aim.end, self.tolerance)
         } else {
@@ -347,6 +350,25 @@ where
             Some(knot) => self.progress.t + BEYOND_KNOT * ((knot - z[0]) / z[1]).abs(),
             None => f64::INFINITY,
         }
+    }
+
+    /// Time a little beyond the next change of a regime of friction at the present rates of the slip speeds [s];
+    /// infinite without one. A step that goes farther is in vain there, and its error estimate sees what is not to come.
+    #[inline(always)]
+    fn beyond_next_change(&mut self, z: &[f64; N]) -> f64 {
+        self.dynamics.scratch.evaluator.begin_step();
+        match self.dynamics.deciding::<N>().filter(|own| !own.friction_joints.is_empty()) {
+            Some(_) => self.beyond_next_regime(z),
+            None => f64::INFINITY,
+        }
+    }
+
+    #[inline(never)]
+    fn beyond_next_regime(&mut self, z: &[f64; N]) -> f64 {
+        let t = self.progress.t;
+        let rates = self.integrator.rates(self.dynamics, t, z);
+        let until = self.dynamics.until_regime_changes(z[0], [t, z[1], rates[1]]);
+        self.integrator.shortened(BEYOND_CHANGE * until).map_or(f64::INFINITY, |h| t + h)
     }
 
     /// A step beyond the span was in vain: the next ones end with it.

@@ -106,6 +106,19 @@ impl<const N: usize> Integrator<N> {
         }
     }
 
+    /// f(t, y) at the present point, which the next step uses.
+    #[inline(always)]
+    pub fn rates<S: System<N>>(&mut self, system: &mut S, t: f64, y: &[f64; N]) -> [f64; N] {
+        if let Some(f) = self.derivative {
+            return f;
+        }
+        self.statistics.evaluations += 1;
+        let f = system.derivative(t, y);
+        // Without a solution, the next step is to find the reason.
+        self.derivative = Some(f).filter(|f| f.iter().all(|f| f.is_finite()));
+        f
+    }
+
     /// Data for the first attempt at a step from (t, y).
     #[inline(always)]
     fn begin<S: System<N>>(
@@ -116,13 +129,7 @@ impl<const N: usize> Integrator<N> {
         end: f64,
         tolerance: f64,
     ) -> Result<Begin<N>, IntegrationError> {
-        let first = match self.derivative {
-            Some(f) => f,
-            None => {
-                self.statistics.evaluations += 1;
-                system.derivative(t, y)
-            }
-        };
+        let first = self.rates(system, t, y);
         let scale = system.scale(y, &first);
         let mut begin = Begin { start: Start { t, y: *y, first, carry: self.carry }, rest: end - t, scale, wish: 0.0 };
         begin.wish = match self.proposal {

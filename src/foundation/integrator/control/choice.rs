@@ -47,6 +47,13 @@ impl<const N: usize> Integrator<N> {
         !self.stiffness.implicit && self.proposal.is_some_and(|h| h > BEYOND * span)
     }
 
+    /// Size of the next step [s], which may be shortened to `wanted` [s]: not so much that RK4 would be chosen, whose
+    /// interpolant is less accurate than the step. None if the step is not to be shortened.
+    pub fn shortened(&self, wanted: f64) -> Option<f64> {
+        let proposal = self.proposal.filter(|_| !self.stiffness.implicit)?;
+        Some(wanted.max(proposal * (1.01 / RK4_BELOW))).filter(|h| *h < proposal)
+    }
+
     /// Latest end of a step from t that extends beyond the end of a span.
     pub fn farthest(t: f64, end: f64) -> f64 {
         t + FARTHEST * (end - t)

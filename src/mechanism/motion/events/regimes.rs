@@ -71,6 +71,17 @@ impl EquationOfMotion<'_> {
         self.state_loads.map_or((f64::NEG_INFINITY, f64::INFINITY), |s| s.friction_joints[joint].law.range(regime))
     }
 
+    /// Time from this time, sigma_dot and sigma_ddot at a sigma until a slip speed leaves the range of its regime, were
+    /// its rate constant [s]; infinite if none does.
+    pub fn until_regime_changes(&self, sigma: f64, motion: [f64; 3]) -> f64 {
+        let (joints, at) = (self.state_loads.map_or(0, |own| own.friction_joints.len()), self.slip_position(sigma));
+        let until = |joint: usize| {
+            let ((low, high), [v, rate]) = (self.slip_range(joint), self.slip_rate(joint, (at, motion)));
+            (if rate > 0.0 { high - v } else { low - v }) / rate
+        };
+        (0..joints).map(until).filter(|until| *until > 0.0).fold(f64::INFINITY, f64::min)
+    }
+
     /// How far the slip speed of a joint is beyond the range of its regime at a time of the span [m/s].
     pub fn excess_of_slip(&mut self, joint: usize, [t, sigma, sigma_dot]: [f64; 3]) -> f64 {
         self.time = t;
