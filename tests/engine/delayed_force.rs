@@ -5,6 +5,7 @@ use crate::integral_control::{GAIN, INERTIA, INTEGRAL_GAIN, SPEED_GAIN};
 use crate::integral_control::{assert_linear, breaks_away, controlled, from_rest};
 use crate::stiction;
 use crate::support::definition::{G, With, arm, block, weight, wheel};
+use crate::support::numeric::exponential;
 use crate::support::{Run, assert_near, assert_rejected};
 use linkage_fmu::component::Component;
 use nalgebra::{Matrix5, Vector5};
@@ -82,7 +83,7 @@ fn a_rotor_moves_as_its_fourth_order_response() {
         let mut run = Run::new(&text).with(&[("servo.torque", feed)]).started();
         for k in 0..=count {
             let h = 2.0 / f64::from(count);
-            let y = (a * (h * f64::from(k))).exp() * start;
+            let y = exponential(a * (h * f64::from(k)), start);
             run.near("wheel.angle", y[0], 1e-11);
             run.near("wheel.speed", y[1], 1e-10);
             run.near("servo.integral_torque", y[2], 1e-9);

@@ -3,10 +3,10 @@
 //! between steps, refusals.
 use crate::stiction;
 use crate::support::definition::{G, With, arm, block, weight, wheel};
-use crate::support::numeric::runge_kutta;
+use crate::support::numeric::{exponential, runge_kutta};
 use crate::support::{Run, assert_near, assert_rejected};
 use linkage_fmu::component::{Component, Linearisation, Linearised};
-use nalgebra::{Complex, DMatrix, Matrix4, Vector4};
+use nalgebra::{Complex, Matrix4, Matrix5, Vector4, Vector5};
 use serde_json::{Value, json};
 
 pub const INERTIA: f64 = 0.2;
@@ -50,7 +50,7 @@ fn a_rotor_moves_as_its_third_order_response() {
         for k in 1..=count {
             let h = 2.0 / f64::from(count);
             run.step(h);
-            let y = (system(0.4, 0.1, -2.0) * (h * f64::from(k))).exp() * start;
+            let y = exponential(system(0.4, 0.1, -2.0) * (h * f64::from(k)), start);
             let torque = -2.0 + GAIN * (0.4 - y[0]) + SPEED_GAIN * (0.1 - y[1]) + y[2];
             run.near("wheel.angle", y[0], 1e-11);
             run.near("wheel.speed", y[1], 1e-10);
@@ -71,14 +71,14 @@ fn two_integral_parts_are_two_states() {
     let text = rotor(json!({ "command": 0.5 })).with(json!({ "actuators": { "other": other } }));
     let mut run = Run::new(text).started();
     let j = INERTIA;
-    let mut a = DMatrix::zeros(5, 5);
+    let mut a = Matrix5::zeros();
     (a[(0, 1)], a[(1, 1)], a[(1, 2)], a[(1, 3)]) = (1.0, -SPEED_GAIN / j, 1.0 / j, 1.0 / j);
     (a[(1, 0)], a[(1, 4)]) = (-(GAIN + 10.0) / j, (GAIN * 0.5 - 10.0 * 0.2) / j);
     (a[(2, 0)], a[(2, 4)], a[(3, 0)], a[(3, 4)]) = (-INTEGRAL_GAIN, INTEGRAL_GAIN * 0.5, -20.0, -20.0 * 0.2);
-    let start = nalgebra::DVector::from_vec(vec![0.0, 0.0, 0.0, -1.0, 1.0]);
+    let start = Vector5::new(0.0, 0.0, 0.0, -1.0, 1.0);
     for k in 1..=8 {
         run.step(0.15);
-        let y = (&a * (0.15 * f64::from(k))).exp() * &start;
+        let y = exponential(a * (0.15 * f64::from(k)), start);
         run.near("wheel.angle", y[0], 1e-10);
         run.near("servo.integral_torque", y[2], 1e-9);
         run.near("other.integral_torque", y[3], 1e-9);

@@ -1,5 +1,7 @@
 //! Numerical methods of the tests, independent of those of the engine.
 
+use nalgebra::{SMatrix, SVector};
+
 /// A state after a time by the classical Runge-Kutta method with this number of steps. The rate is a function of time
 /// and state.
 pub fn runge_kutta<const N: usize>(
@@ -19,6 +21,19 @@ pub fn runge_kutta<const N: usize>(
         y = std::array::from_fn(|i| y[i] + h / 6.0 * (k1[i] + 2.0 * k2[i] + 2.0 * k3[i] + k4[i]));
     }
     y
+}
+
+/// exp(A) y by Taylor's series in shares of A whose terms fall like 1 / (2^k k!).
+pub fn exponential<const N: usize>(a: SMatrix<f64, N, N>, y: SVector<f64, N>) -> SVector<f64, N> {
+    let shares = (2.0 * a.norm()).ceil().max(1.0);
+    (0..shares as u32).fold(y, |y, _| {
+        let (mut sum, mut term) = (y, y);
+        for k in 1..=15 {
+            term = a * term / (shares * f64::from(k));
+            sum += term;
+        }
+        sum
+    })
 }
 
 /// The integral of a function by Simpson's rule on this even number of panels.
