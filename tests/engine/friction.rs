@@ -135,8 +135,8 @@ fn friction_that_relieves_its_reaction_does_not_lock() {
     assert!(speed.abs() < 1e-3 && drift.abs() < 1e-9, "{speed}, drift {drift:e}");
 }
 
-/// The slowest doStep of a landing gear limits real-time use. While its brace passes the dead centre, where seven joints
-/// come to rest together, friction changes its regime up to four times in 1 ms, and two reactions pass near 0.
+/// The slowest doStep of a landing gear limits real-time use. While its brace passes the dead centre, seven joints rest
+/// at one instant, friction changes its regime up to four times in 1 ms, and two reactions pass near 0.
 #[test]
 fn no_step_of_a_landing_gear_needs_many_evaluations() {
     let mut gear = Run::new(MAIN_GEAR).started();

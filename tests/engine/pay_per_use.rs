@@ -104,7 +104,8 @@ fn a_change_of_regime_costs_no_second_step() {
     let mut model = gear(&FRICTION, &[]);
     model.step(0.13);
     let work = model.statistics();
-    // A step that ends just beyond a change may be short enough for DOPRI5, whose interpolant is as accurate as the step.
+    // A step that ends just beyond a change may be short enough for DOPRI5, whose interpolant is as accurate as its
+    // step.
     let [cheaper, others] = [Method::Dopri5, Method::Dop853].map(|method| work.accepted_by(method));
     assert!(cheaper <= 1 && cheaper + others == work.accepted, "steps of other methods: {work:?}");
     // The start, and interpolants of steps that come near a border.

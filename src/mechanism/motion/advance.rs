@@ -353,7 +353,8 @@ where
     }
 
     /// Time a little beyond the next change of a regime of friction at the present rates of the slip speeds [s];
-    /// infinite without one. A step that goes farther is in vain there, and its error estimate sees what is not to come.
+    /// infinite without one. A step that goes farther is in vain there, and its error estimate contains what does not
+    /// occur.
     #[inline(always)]
     fn beyond_next_change(&mut self, z: &[f64; N]) -> f64 {
         self.dynamics.scratch.evaluator.begin_step();
