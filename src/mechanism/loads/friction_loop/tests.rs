@@ -1,6 +1,7 @@
 //! The loop against closed forms.
 use super::*;
 use crate::numerics::dual::Dual;
+use crate::numerics::processor::Separate;
 use proptest::prelude::*;
 
 /// One joint whose friction acts on its own reaction without the motion.
@@ -145,8 +146,35 @@ proptest! {
             let alike = alone.size.iter().zip(&within.size).all(|(a, b)| (a - b).abs() <= 1e-13 * largest);
             prop_assert!(alike, "t = {t}: {:?} {:?}", alone.size, within.size);
             prop_assert!(within.iterations <= alone.iterations);
+            // The arithmetic of other processors, from zero.
+            let mut separate = alone.clone();
+            separate.size.fill(0.0);
+            prop_assert!(separate.correct_until_exact::<Separate>(&balance));
+            let alike = alone.size.iter().zip(&separate.size).all(|(a, b)| (a - b).abs() <= 1e-13 * largest);
+            prop_assert!(alike, "t = {t}: {:?} {:?}", alone.size, separate.size);
         }
     }
+}
+
+/// Reactions that are not finite have no solution, and leave no trace in the next one.
+#[test]
+fn what_is_not_finite_is_forgotten() {
+    let at = |free: f64, loops: &mut FrictionLoop<f64>| {
+        let balance = Balance {
+            free: [&[free, 2.0, -3.0, 1.0, 4.0], &[1.0; 5]],
+            inertial: [&[0.5; 5], &[-0.2; 5]],
+            influence: &[1.0, -0.5, 2.0, 0.1, 0.3],
+            passed: [&[1.0; 5], &[-2.0; 5]],
+            groups: &[0; 5],
+            seconds: &[[0.0, 1.0]; 5],
+        };
+        loops.arm.fill(0.02);
+        loops.solve(&balance)
+    };
+    let (mut fresh, mut used) = (FrictionLoop::new(5, 1), FrictionLoop::new(5, 1));
+    assert_eq!(at(f64::INFINITY, &mut used), Err(Locked));
+    assert_eq!((at(1.0, &mut fresh), at(1.0, &mut used)), (Ok(()), Ok(())));
+    assert_eq!((fresh.size, fresh.iterations), (used.size, used.iterations));
 }
 
 #[test]
