@@ -50,6 +50,15 @@ impl Python {
     }
 }
 
+/// pytest in an environment. The packages are installed without bytecode. Python compiles a module when it is first
+/// imported, and keeps the bytecode in the target folder, also if the environment of the caller forbids to write it.
+pub fn pytest(workspace: &Workspace, python: &Path) -> Command {
+    let mut pytest = Command::new(python);
+    pytest.args(["-m", "pytest", "-q"]).current_dir(workspace.root());
+    pytest.env_remove("PYTHONDONTWRITEBYTECODE").env("PYTHONPYCACHEPREFIX", workspace.target("pycache"));
+    pytest
+}
+
 /// Build another program of the workspace, with the name of its package.
 ///
 /// # Errors

@@ -62,23 +62,18 @@ pub fn run(workspace: &Workspace, arguments: &Arguments) -> Result<()> {
     let python = Python::Fmpy.interpreter(workspace)?;
     stage("Python style", || style(workspace, &python))?;
     stage("FMPy tests", || {
-        let mut pytest = Command::new(&python);
-        pytest
-            .args(["-m", "pytest", "-q"])
-            .args(SHARED)
-            .arg(workspace.python_tests())
-            .env(FMU_FOLDER, workspace.fmu_folder())
-            .env(PROGRAM, &studies)
-            .current_dir(workspace.root());
+        let mut pytest = command::pytest(workspace, &python);
+        pytest.args(SHARED).arg(workspace.python_tests());
+        pytest.env(FMU_FOLDER, workspace.fmu_folder()).env(PROGRAM, &studies);
         command::run(&mut pytest, "pytest")
     })?;
     stage("documentation site", || docs::run(workspace, &docs::Arguments { open: false }))?;
     stage("wheel", || dist::run(workspace, &dist::Arguments { test: true, ..Default::default() }))?;
     let python = Python::Browser.interpreter(workspace)?;
     stage("browser tests", || {
-        let mut pytest = Command::new(&python);
-        pytest.args(["-m", "pytest", "-q"]).args(SHARED).arg(workspace.browser_tests());
-        pytest.env(VIEW, &studies).env(FMU_FOLDER, workspace.fmu_folder()).current_dir(workspace.root());
+        let mut pytest = command::pytest(workspace, &python);
+        pytest.args(SHARED).arg(workspace.browser_tests());
+        pytest.env(VIEW, &studies).env(FMU_FOLDER, workspace.fmu_folder());
         command::run(&mut pytest, "pytest")
     })?;
     println!(

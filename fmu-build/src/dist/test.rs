@@ -150,8 +150,8 @@ fn module(workspace: &Workspace, installed: &Installed, wheel: &Path) -> Result<
     let tests = workspace.module_tests();
     let python = command::Python::Module.interpreter(workspace)?;
     super::install(&python, wheel)?;
-    let mut pytest = Command::new(&python);
-    pytest.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "-c"]).arg(tests.join("pyproject.toml")).arg(&tests);
+    let mut pytest = command::pytest(workspace, &python);
+    pytest.args(["-p", "no:cacheprovider", "-c"]).arg(tests.join("pyproject.toml")).arg(&tests);
     pytest.current_dir(&installed.empty).env("PATH", &installed.empty);
     command::run(&mut pytest, "pytest of the module")
 }
