@@ -23,8 +23,17 @@ from fmpy.logging import addLoggerProxy
 
 NAME = "LandingGearRetraction"
 REPOSITORY = Path(__file__).resolve().parents[2]
-CARGO = ["cargo", "run", "--release", "--quiet", "--manifest-path", str(REPOSITORY / "Cargo.toml"), "--package"]
-"""The long form of `cargo fmu`, which works in every folder."""
+BUILT = os.environ.get("LINKAGE_FMU_PROGRAM")
+"""The program of the studies that `cargo fmu test` has built, in a folder with the other programs."""
+
+
+def program(name: str) -> list[str]:
+    """The command that runs a program of the repository. Without `cargo fmu test`, cargo builds the program first. In a
+    folder outside the repository, cargo does not find the flags of the compiler, and builds everything again."""
+    if BUILT:
+        return [str(Path(BUILT).with_name(name).with_suffix(Path(BUILT).suffix))]
+    manifest = str(REPOSITORY / "Cargo.toml")
+    return ["cargo", "run", "--release", "--quiet", "--manifest-path", manifest, "--package", name, "--"]
 
 
 LONG = ("test_pages.py", "test_sweep_cluster.py", "test_simulate_command.py", "test_optimise.py", "test_crane.py")

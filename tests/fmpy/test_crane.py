@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CARGO, REPOSITORY
+from conftest import REPOSITORY, program
 
 FOLDER = REPOSITORY / "examples" / "crane"
 sys.path.append(str(FOLDER))
@@ -31,7 +31,7 @@ ERRORS = (
 def fmu(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The packed hydraulics of the crane."""
     out = tmp_path_factory.mktemp("crane")
-    command = [*CARGO, "fmu-build", "--", "package", str(FOLDER / "network.json"), "--fmi", "2", "--out", str(out)]
+    command = [*program("fmu-build"), "package", str(FOLDER / "network.json"), "--fmi", "2", "--out", str(out)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900.0, check=False)
     assert done.returncode == 0, done.stderr
     return out / "CraneHydraulics.fmu"

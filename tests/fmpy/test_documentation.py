@@ -12,7 +12,7 @@ from pathlib import Path
 import nbformat
 import numpy as np
 import pytest
-from conftest import CARGO, FMUS, REPOSITORY
+from conftest import FMUS, REPOSITORY, program
 from fmpy import read_csv, read_model_description, simulate_fmu
 from fmpy.util import create_jupyter_notebook
 from lxml import etree
@@ -113,7 +113,7 @@ def test_own_files_replace_generated_ones_and_excluded_files_are_omitted(tmp_pat
     (folder / "documentation" / "index.html").write_text("<html>mine</html>", encoding="utf-8")
     (folder / "documentation" / "more.txt").write_text("more", encoding="utf-8")
     options = ["--out", str(tmp_path), "--no-animation", "--no-results"]
-    command = [*CARGO, "fmu-build", "--", "package", str(folder), *options]
+    command = [*program("fmu-build"), "package", str(folder), *options]
     done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
     assert done.returncode == 0, done.stderr
     said = [line for line in done.stdout.splitlines() if "your own files are packed" in line]

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import fmpy
 import pytest
-from conftest import BOTH_VERSIONS, CARGO, FMU_FOLDER, NAME, REPOSITORY
+from conftest import BOTH_VERSIONS, FMU_FOLDER, NAME, REPOSITORY, program
 from fmpy import read_model_description
 
 Command = Callable[..., subprocess.CompletedProcess[str]]
@@ -24,7 +24,7 @@ def command(tmp_path: Path) -> Command:
     """`cargo fmu` with these arguments, called in a separate folder."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-        words = [*CARGO, "fmu-build", "--", *map(str, arguments)]
+        words = [*program("fmu-build"), *map(str, arguments)]
         return subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
     return run

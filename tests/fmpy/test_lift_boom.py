@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import CARGO, REPOSITORY
+from conftest import REPOSITORY, program
 
 FOLDER = REPOSITORY / "examples" / "lift_boom"
 sys.path.append(str(FOLDER))
@@ -30,7 +30,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("lift boom")
     paths = [str(FOLDER / name) for name in ("mechanism.json", "network.json")]
     options = ["--fmi", "2", "--no-animation", "--out", str(out)]
-    command = [*CARGO, "fmu-build", "--", "package", *paths, *options]
+    command = [*program("fmu-build"), "package", *paths, *options]
     done = subprocess.run(command, capture_output=True, text=True, timeout=900.0, check=False)
     assert done.returncode == 0, done.stderr
     return out

@@ -14,11 +14,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import CARGO, REPOSITORY
+from conftest import REPOSITORY, program
 
-PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-"""An existing binary of the program."""
-COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-studies", "--"]
+COMMAND = program("fmu-studies")
 STUDY = REPOSITORY / "docs" / "studies" / "least_force.json"
 TAKEN = ("crank.actuator_x", "follower.actuator_y")
 """Two of the four coordinates, so that few samples are dense."""

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CARGO, REPOSITORY, Instance
+from conftest import REPOSITORY, Instance, program
 from fmpy import extract, simulate_fmu
 from fmpy.validation import validate_fmu
 
@@ -55,7 +55,7 @@ def mechanism() -> dict[str, Any]:
 
 def package(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`cargo fmu package` with these arguments, called in this folder."""
-    command = [*CARGO, "fmu-build", "--", "package", *arguments]
+    command = [*program("fmu-build"), "package", *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from conftest import CARGO
+from conftest import program
 from fmpy.ssp.simulation import simulate_ssp
 from fmpy.ssp.ssd import read_ssd
 from lxml import etree
@@ -51,7 +51,7 @@ def block(name: str, mass: float, more: dict[str, Any], position: float) -> dict
 
 def package(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """`cargo fmu package --ssp` with these arguments, called in this folder."""
-    command = [*CARGO, "fmu-build", "--", "package", "--ssp", *arguments]
+    command = [*program("fmu-build"), "package", "--ssp", *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pyarrow.parquet as parquet
 import pytest
-from conftest import CARGO, FMU_FOLDER, REPOSITORY
+from conftest import FMU_FOLDER, REPOSITORY, program
 from fmpy import read_csv, simulate_fmu, simulation
 from PIL import Image
 
@@ -26,7 +26,7 @@ def simulate(tmp_path: Path) -> Command:
     """`cargo fmu simulate` with these arguments, called in a separate folder."""
 
     def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-        command = [*CARGO, "fmu-studies", "--", "simulate", *map(str, arguments)]
+        command = [*program("fmu-studies"), "simulate", *map(str, arguments)]
         return subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, encoding="utf-8", timeout=900.0)
 
     return run

@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import csv
 import json
-import os
 import re
 import subprocess
 from pathlib import Path
 
 import pyarrow.parquet as parquet
 import pytest
-from conftest import CARGO, NAME, REPOSITORY
+from conftest import NAME, REPOSITORY, program
 
-PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-COMMAND = [PROGRAM] if PROGRAM else [*CARGO, "fmu-studies", "--"]
+COMMAND = program("fmu-studies")
 SAMPLED = {"actuator.force": [28e3, 36e3], "load_factor": [1.0, 3.0], "airspeed": [40.0, 90.0]}
 PNG = b"\x89PNG\r\n\x1a\n"
 

@@ -14,15 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import CARGO, REPOSITORY
+from conftest import REPOSITORY, program
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="finds the workers in /proc")
 
-PROGRAM = os.environ.get("LINKAGE_FMU_BUILD")
-"""An existing binary of the program."""
 PYTHON = REPOSITORY / "target" / "venv-cluster" / "bin" / "python"
 """The environment that `--workers` creates."""
-COMMAND = [PROGRAM, "sweep"] if PROGRAM else [*CARGO, "fmu-studies", "--", "sweep"]
+COMMAND = [*program("fmu-studies"), "sweep"]
 
 
 def start(study: Path, out: Path, *options: str) -> subprocess.Popen[str]:
