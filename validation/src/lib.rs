@@ -47,6 +47,10 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         names if names.iter().all(|name| TABLES.iter().any(|(own, _)| own == name)) => {
             tables(TABLES.iter().filter(|(own, _)| names.contains(own)), &descriptions, &results)
         }
+        ["realtime", mechanisms @ ..] => {
+            print!("{}", realtime::of(mechanisms)?.page);
+            Ok(())
+        }
         ["instructions"] => count(&results),
         ["attack", words @ ..] => attack::run(&results, words),
         ["cosim", "foreign", file] => foreign(Path::new(file)),
@@ -59,11 +63,9 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         &[versions::CALLS, version, call, repetitions] => {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
         }
-        _ => {
-            Err("arguments: none for the tables of run times or names of some, `instructions`, `cosim`, `stress` with \
-                 names of groups, or `attack` with its options"
-                .into())
-        }
+        _ => Err("arguments: none for the tables of run times or names of some, `realtime` with names of mechanisms, \
+                 `instructions`, `cosim`, `stress` with names of groups, or `attack` with its options"
+            .into()),
     }
 }
 

@@ -154,6 +154,7 @@ Benchmarks:
   studies       many runs with sweep, Dask, FMPy and MuJoCo
   module        runs and steps from Python, compared with FMPy, MuJoCo and EXUDYN; needs the wheel of `cargo fmu dist`
   peers         computing time and error, compared with other solvers and multibody programs
+  realtime      the slowest step of each example; names of examples measure only these, without the page
   plots         figures from the CSV of the tables
   instructions  instruction counts of callgrind
   cosim         the packed FMUs, coupled by every scheme; options: --write (write the page of results), circuit
