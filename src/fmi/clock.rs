@@ -228,6 +228,17 @@ mod tests {
     }
 
     #[test]
+    fn the_last_point_of_a_running_sum_may_be_after_the_stop_time() {
+        let (mut clock, mut point, h) = (Clock::new(0.0, Some(100.0)).unwrap(), 0.0, 1e-4);
+        for _ in 0..1_000_000 {
+            step(&mut clock, point, h);
+            point += h;
+        }
+        assert!(point > 100.0 + 1e-9, "{point}");
+        assert!(clock.end_of_step(point, h).is_err());
+    }
+
+    #[test]
     fn an_experiment_is_finite_and_ends_not_before_its_start() {
         assert!(Clock::new(f64::NAN, None).is_err());
         assert!(Clock::new(f64::INFINITY, None).is_err());

@@ -5,6 +5,8 @@ use crate::support::{Run, Vec2, assert_near, assert_rejected, assert_says, chang
 use serde_json::{Value, json};
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+const SLIDER_CRANK: &str = include_str!("../../modelDescription/SlCrank/resources/mechanism.json");
+
 /// A carriage of 30 kg on a slope of 0.4 rad, driven by a screw with a lead of 5 mm and an inertia of 2e-4 kg.m2.
 fn carriage() -> Value {
     block(30.0).with(json!({
@@ -88,6 +90,41 @@ fn a_spindle_between_two_points_obeys_lagrange_and_newton() {
         let expected = 0.5 * (inertia + reflected * s1 * s1) * omega * omega;
         assert_near(energy, expected, 1e-12 * expected.max(1.0), "kinetic energy");
         assert!(run.get("energy.drift").abs() < 1e-9 * energy.max(100.0), "{}", run.get("energy.drift"));
+    }
+}
+
+#[test]
+fn a_spindle_between_two_moving_bodies_obeys_newton() {
+    let text = changed(SLIDER_CRANK, |m| {
+        m["springs"] = json!({});
+        m["actuators"] = json!({ "spindle": {
+            "first": "crank.middle", "second": "slider.origin", "torque": 0.02, "screw": { "lead": 0.1, "inertia": 2e-4 },
+        } });
+        m["start"]["angle"] = json!(0.7);
+    });
+    let mut run = Run::new(&text).started();
+    let ratio = TAU / 0.1;
+    let length = |theta: f64| {
+        let slider = 0.5 * theta.cos() + (1.0 - 0.25 * theta.sin().powi(2)).sqrt();
+        Vec2::new(slider - 0.25 * theta.cos(), -0.25 * theta.sin())
+    };
+    for step in 0..30 {
+        run.step(0.1);
+        let [theta, omega, alpha] = ["angle", "speed", "acceleration"].map(|o| run.get(&format!("crank.{o}")));
+        let h = 1e-4;
+        let [low, here, high] = [-h, 0.0, h].map(|h| length(theta + h).norm());
+        let second = (high - low) / (2.0 * h) * alpha + (high - 2.0 * here + low) / (h * h) * omega * omega;
+        let of_spindle = run.get("spindle.acceleration") / ratio;
+        assert_near(of_spindle, second, 1e-6 * (alpha.abs() + omega * omega), "acceleration of the length");
+        let push = ratio * 0.02 - 2e-4 * ratio * ratio * of_spindle;
+        let along = length(theta).normalize();
+        let need = run.get("slide.acceleration") - push * along.x;
+        assert_near(
+            run.get("wrist.force_x"),
+            need,
+            1e-9 * (1.0 + push.abs()),
+            &format!("step {step}: force on the slider"),
+        );
     }
 }
 

@@ -85,6 +85,8 @@ pub struct Progress {
     refinements: u32,
 }
 
+/// Part of the distance to the open end of a stretch that a step beyond the span may cover.
+const BEFORE_END: f64 = 0.9;
 /// How far beyond a knot a step may try to go, in distances from its start to the knot: its stages then lie on the way
 /// to the knot, and its error estimate sees what is there, however narrow.
 const BEYOND_KNOT: f64 = 1.1;
@@ -196,11 +198,35 @@ where
     fn aim(&mut self, z: &[f64; N], span: f64) -> Aim {
         let t = self.progress.t;
         let change = self.beyond_next_change(z);
-        let is_beyond = self.progress.may_pass && self.integrator.outlasts(span - t) && change > span;
-        let end = if is_beyond { Integrator::<N>::farthest(t, span) } else { span };
+        let may_pass = self.progress.may_pass && self.integrator.outlasts(span - t) && change > span;
+        let farthest = if may_pass { self.farthest(z, span) } else { span };
+        let (is_beyond, end) = (farthest > span, farthest.max(span));
         let kink = self.dynamics.next_kink::<N>(t).min(self.latest(z)).min(change);
         let is_cut = kink < end;
         Aim { end: if is_cut { kink } else { end }, is_beyond, is_cut }
+    }
+
+    /// Latest end [s] of a step from the state z that extends beyond the span.
+    #[inline(always)]
+    fn farthest(&mut self, z: &[f64; N], span: f64) -> f64 {
+        let end = Integrator::<N>::farthest(self.progress.t, span);
+        if self.dynamics.whole.is_open() { end.min(self.open_end(z)) } else { end }
+    }
+
+    /// Time [s] at which the motion is a little before the open end of its stretch of the curve, at its present speed
+    /// and a constant acceleration of the present size. A step beyond the span ends there: to make the next stretch
+    /// takes about a millisecond, and the motion may never reach it.
+    #[cold]
+    fn open_end(&mut self, z: &[f64; N]) -> f64 {
+        let t = self.progress.t;
+        let acceleration = self.integrator.rates(self.dynamics, t, z)[1];
+        let curve = self.dynamics.stretch_at(z[0]).0.curve();
+        let is_forward = if z[1] == 0.0 { acceleration > 0.0 } else { z[1] > 0.0 };
+        let distance = BEFORE_END * if is_forward { curve.range.1 - z[0] } else { z[0] - curve.range.0 };
+        if !curve.is_open(usize::from(is_forward)) {
+            return f64::INFINITY;
+        }
+        t + 2.0 * distance / (z[1].abs() + (z[1] * z[1] + 2.0 * acceleration.abs() * distance).sqrt())
     }
 
     /// The continuous step from the state z.

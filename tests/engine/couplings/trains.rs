@@ -158,6 +158,19 @@ fn a_train_with_an_irrational_ratio_turns_without_end() {
     assert!(reduced.period().is_some());
 }
 
+/// A step beyond the span may reach farther than the motion. To trace the next part of the curve takes 0.5 ms.
+#[test]
+fn the_next_part_of_an_open_curve_is_traced_only_where_the_motion_needs_it() {
+    let winch = include_str!("../../../modelDescription/GearTrain/resources/mechanism.json");
+    let mut run = Run::new(winch).started();
+    let stretches = |run: &mut Run| run.reduced().unwrap().stretches().count();
+    run.steps(2000, 2.0);
+    assert_eq!(stretches(&mut run), 0, "up to {} rad", run.get("pinion.angle"));
+    run.steps(5000, 5.0);
+    assert!(run.get("pinion.angle") > 700.0);
+    assert_eq!(stretches(&mut run), 1);
+}
+
 #[test]
 fn an_open_train_ends_where_angles_have_too_few_digits() {
     let irrational = GEARS.replace("17", "1").replace("43", &2f64.sqrt().to_string());

@@ -1,6 +1,7 @@
 //! The tables of formats compared with the importers, with MuJoCo's schema, and with the reference pages.
 #![allow(clippy::unwrap_used)]
 
+use super::masses::Shape;
 use super::xml::{Element, Fate, Row, row};
 use super::{mjcf, sdf, urdf};
 use serde_json::Value;
@@ -161,4 +162,34 @@ fn the_page_has_the_tables() {
         "LINKAGE_FMU_WRITE=1 cargo test -p fmu-studies --lib the_page writes {}",
         path.display()
     );
+}
+
+/// The solids of revolution as thin discs.
+#[test]
+fn solids_of_revolution_have_the_inertia_of_their_discs() {
+    let (r, length) = (0.3, 0.5_f64);
+    let ball = |z: f64| (r * r - z * z).max(0.0);
+    let round = |z: f64| ball((z.abs() - 0.5 * length).max(0.0));
+    let solids: [(Shape, &dyn Fn(f64) -> f64); 3] = [
+        (Shape::Sphere(r), &ball),
+        (Shape::Capsule(r, length), &round),
+        (Shape::Cylinder(r, length), &|z| if z.abs() < 0.5 * length { r * r } else { 0.0 }),
+    ];
+    for (shape, square) in solids {
+        let count = 200_000;
+        let thickness = 1.2 / f64::from(count);
+        let (mut volume, mut along, mut across) = (0.0, 0.0, 0.0);
+        for disc in 0..count {
+            let z = (f64::from(disc) + 0.5) * thickness - 0.6;
+            let part = std::f64::consts::PI * square(z) * thickness;
+            volume += part;
+            along += part * square(z) / 2.0;
+            across += part * (square(z) / 4.0 + z * z);
+        }
+        let (own, inertia) = shape.solid();
+        let expected = [across / volume, across / volume, along / volume];
+        assert!((own / volume - 1.0).abs() < 1e-5, "{shape:?}: {own} m3 instead of {volume} m3");
+        let all_near = inertia.iter().zip(&expected).all(|(own, other)| (own / other - 1.0).abs() < 1e-5);
+        assert!(all_near, "{shape:?}: {inertia:?} instead of {expected:?}");
+    }
 }

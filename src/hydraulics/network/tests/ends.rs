@@ -69,6 +69,24 @@ impl Mass {
     }
 }
 
+/// The acceleration at the end of the preview is the slope of the speed over the horizon.
+#[test]
+fn the_acceleration_of_the_preview_is_the_slope_of_its_speed() {
+    let mut mass = Mass::near(0, 0.0, false);
+    mass.run(0.02, 1e-4);
+    for horizon in [1e-4, 1e-3, 4e-3] {
+        let mut at = |output: &str, h: f64| {
+            mass.announce(h);
+            mass.host.get(&format!("ram.preview.{output}"))
+        };
+        let step = 1e-3 * horizon;
+        let slope = (at("speed", horizon + step) - at("speed", horizon - step)) / (2.0 * step);
+        let acceleration = at("acceleration", horizon);
+        assert!(slope.abs() > 0.1, "{slope} m/s2");
+        assert!((acceleration / slope - 1.0).abs() < 1e-4, "{horizon} s: {acceleration} instead of {slope} m/s2");
+    }
+}
+
 /// The force on an end is the load, whatever the step, and the oil balance is kept.
 #[test]
 fn a_load_at_rest_on_an_end_is_exact_at_any_step() {
