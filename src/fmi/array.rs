@@ -17,11 +17,10 @@ use std::mem::MaybeUninit;
 /// A valid `pointer` points to `count` elements that nothing writes during the call (FMI 2.0.5, 2.1.7).
 #[inline]
 pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Result<&'a [T], Refusal> {
-    if count == 0 {
-        return Ok(&[]);
+    if !is_valid(pointer, count) {
+        return if count == 0 { Ok(&[]) } else { Err(refuse(name, count, pointer.addr(), align_of::<T>())) };
     }
-    check(name, pointer, count)?;
-    // SAFETY: `check` tests null, alignment and size. The caller guarantees the rest.
+    // SAFETY: `is_valid` tests null, alignment and size. The caller guarantees the rest.
     Ok(unsafe { std::slice::from_raw_parts(pointer, count) })
 }
 
@@ -34,11 +33,10 @@ pub unsafe fn input<'a, T>(name: &str, pointer: *const T, count: usize) -> Resul
 /// A valid `pointer` points to memory for `count` elements that nothing else uses during the call (FMI 2.0.5, 2.1.7).
 #[inline]
 pub unsafe fn output<'a, T>(name: &str, pointer: *mut T, count: usize) -> Result<&'a mut [MaybeUninit<T>], Refusal> {
-    if count == 0 {
-        return Ok(&mut []);
+    if !is_valid(pointer, count) {
+        return if count == 0 { Ok(&mut []) } else { Err(refuse(name, count, pointer.addr(), align_of::<T>())) };
     }
-    check(name, pointer, count)?;
-    // SAFETY: `check` tests null, alignment and size. The caller guarantees the rest.
+    // SAFETY: `is_valid` tests null, alignment and size. The caller guarantees the rest.
     Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), count) })
 }
 
@@ -59,26 +57,20 @@ pub unsafe fn text<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
 }
 
+/// Whether there can be an array of `count` elements at the pointer: not NULL, aligned, not larger than memory.
 #[inline]
-fn check<T>(name: &str, pointer: *const T, count: usize) -> Result<(), Refusal> {
-    if pointer.is_null() || !pointer.is_aligned() || count > most::<T>() {
-        let unaligned = (!pointer.is_aligned()).then_some(align_of::<T>());
-        return Err(refuse(name, count, pointer.is_null(), unaligned));
-    }
-    Ok(())
-}
-
-/// Largest number of elements of an array that fits into memory.
-const fn most<T>() -> usize {
-    isize::MAX as usize / size_of::<T>()
+fn is_valid<T>(pointer: *const T, count: usize) -> bool {
+    !pointer.is_null() && pointer.is_aligned() && count <= isize::MAX as usize / size_of::<T>()
 }
 
 #[cold]
-fn refuse(name: &str, count: usize, is_null: bool, unaligned: Option<usize>) -> Refusal {
-    Refusal::error(match (is_null, unaligned) {
-        (true, _) => format!("the array '{name}' is NULL; pass an array of {count} elements"),
-        (_, Some(bytes)) => format!("the array '{name}' is not aligned to {bytes} bytes"),
-        _ => format!("the array '{name}' of {count} elements is larger than memory"),
+fn refuse(name: &str, count: usize, address: usize, alignment: usize) -> Refusal {
+    Refusal::error(if address == 0 {
+        format!("the array '{name}' is NULL; pass an array of {count} elements")
+    } else if !address.is_multiple_of(alignment) {
+        format!("the array '{name}' is not aligned to {alignment} bytes")
+    } else {
+        format!("the array '{name}' of {count} elements is larger than memory")
     })
 }
 

@@ -77,13 +77,13 @@ impl Clock {
     /// `h` is not finite and positive, `point` is not the present time, or the step ends after the stop time.
     pub fn end_of_step(&self, point: f64, h: f64) -> Result<f64, Refusal> {
         let end = point + h;
-        if !(h > 0.0 && h < f64::INFINITY) {
+        if h <= 0.0 || h.is_nan() {
             return Err(Self::refuse_size(h));
         }
         let off = (point - self.time).abs();
         // Most points are exact. The condition is negated so that NaN is rejected.
-        if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.abs() < f64::INFINITY) {
-            return Err(self.refuse_point(point, h));
+        if !((off <= STEP_SLACK * h || off <= self.slack(h)) && end.abs() <= f64::MAX) {
+            return Err(if h == f64::INFINITY { Self::refuse_size(h) } else { self.refuse_point(point, h) });
         }
         match self.stop {
             Some(stop) if end > stop && end > stop + self.stop_slack(end, h) => {

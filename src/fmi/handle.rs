@@ -17,10 +17,9 @@ use std::ffi::{CStr, c_void};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// First word of an instance between calls. A pointer to other memory is recognised by a different word.
+/// First word of an instance between calls. A pointer to other memory is recognised by a different word. During a call,
+/// all bits of the word are inverted, so that the logger cannot call a function of this instance.
 const IDLE: u64 = u64::from_be_bytes(*b"linkage\0");
-/// First word of an instance during a call. The logger must not call a function of this instance.
-const BUSY: u64 = !IDLE;
 /// First word of an instance during a callback to the host within a step. The host can read values, but cannot free the
 /// instance.
 const CALLING: u64 = IDLE.rotate_left(8);
@@ -31,6 +30,14 @@ const FREED: u64 = 0;
 struct Handle {
     word: AtomicU64,
     instance: UnsafeCell<Instance>,
+}
+
+impl Handle {
+    /// Inverts all bits of the word: at the start and at the end of a call.
+    #[inline]
+    fn invert(&self) {
+        self.word.store(!self.word.load(Ordering::Relaxed), Ordering::Relaxed);
+    }
 }
 
 /// Creates an instance from the result of `load`. Returns NULL, with a message, if that fails. `function` is the name
@@ -83,11 +90,11 @@ pub unsafe fn call(
     if word != IDLE && word != CALLING {
         return Verdict::Error;
     }
-    handle.word.store(BUSY, Ordering::Relaxed);
-    // SAFETY: the word was neither BUSY nor FREED, so no other call on this thread uses the instance. The caller
+    handle.invert();
+    // SAFETY: the word was neither inverted nor FREED, so no other call on this thread uses the instance. The caller
     // guarantees that no other thread uses it.
     let verdict = guarded(unsafe { &mut *handle.instance.get() }, function, work);
-    handle.word.store(word, Ordering::Relaxed);
+    handle.invert();
     verdict
 }
 

@@ -19,6 +19,21 @@ use std::rc::Rc;
 /// step to end, if the host requests an early end.
 pub type IntermediateUpdate = dyn Fn(f64) -> Option<f64>;
 
+/// The pauses of a step.
+pub struct Parts {
+    /// Number of pauses after internal steps that remain.
+    pub pauses_left: u64,
+    /// Time at which the step would have ended without a pause or an event [s]; none if it has had neither.
+    pub goal: Option<f64>,
+}
+
+impl Parts {
+    /// A step that may pause this often after internal steps.
+    pub fn at_most(pauses_left: u64) -> Self {
+        Parts { pauses_left, goal: None }
+    }
+}
+
 /// One instance of the FMU.
 pub struct Instance {
     /// Present phase, which `handle` checks before each call.
@@ -168,15 +183,15 @@ impl Instance {
     /// the last communication point. After a step that reached `solver.max_steps`, the state is that at the time
     /// reached. A warning means that the step was made.
     ///
-    /// With [`Usage::intermediate_update`], the step pauses in the phase `Intermediate` after an internal step.
-    /// `pauses_left` is the number of pauses that remain. The next call with the rest of the step continues the step.
-    pub fn do_step(&mut self, point: f64, h: f64, pauses_left: &mut u64) -> Result<(), Refusal> {
+    /// With [`Usage::intermediate_update`], the step pauses in the phase `Intermediate` after an internal step. The
+    /// next call with the rest of the step continues the step.
+    pub fn do_step(&mut self, point: f64, h: f64, parts: &mut Parts) -> Result<(), Refusal> {
         let end = self.clock.end_of_step(point, h)?;
         let (events, details) = (self.logger.has_events(), self.logger.has_details());
         self.component.listen(events, details);
         let Usage { event_mode, early_return, intermediate_update, .. } = self.usage;
         let pauses =
-            Pauses { at_events: event_mode && early_return, at_steps: intermediate_update && *pauses_left > 0 };
+            Pauses { at_events: event_mode && early_return, at_steps: intermediate_update && parts.pauses_left > 0 };
         if self.awaits_event {
             return Err(self.event_first("a step"));
         }
@@ -185,23 +200,31 @@ impl Instance {
         if events || details {
             self.log_occurrences(point);
         }
+        if !matches!(stepped, Paused::AtEnd) {
+            return self.pause(stepped, [point, h, end], parts);
+        }
+        self.clock.time = end;
+        if events && let Some(growth) = self.component.take_growth() {
+            self.logger.event(|| format!("at t = {end} s {growth}"));
+        }
+        self.warning()
+    }
+
+    /// A step from `point` by `h` to `end` [s] has not reached its end.
+    #[cold]
+    fn pause(&mut self, stepped: Paused, [point, h, end]: [f64; 3], parts: &mut Parts) -> Result<(), Refusal> {
+        let reached = |time| if time < h { point + time } else { end };
         match stepped {
-            Paused::AtEnd => {
-                self.clock.time = end;
-                if events && let Some(growth) = self.component.take_growth() {
-                    self.logger.event(|| format!("at t = {end} s {growth}"));
-                }
-                self.warning()
-            }
+            Paused::AtEnd => Ok(()),
             Paused::AtEvent(time) => {
-                self.clock.time = if time < h { point + time } else { end };
+                (self.clock.time, parts.goal) = (reached(time), Some(end));
                 self.awaits_event = true;
                 self.warning()
             }
             Paused::AtStep(time) => {
-                self.clock.time = if time < h { point + time } else { end };
+                (self.clock.time, parts.goal) = (reached(time), Some(end));
+                parts.pauses_left -= 1;
                 self.phase = Phase::Intermediate;
-                *pauses_left -= 1;
                 Ok(())
             }
             Paused::Part(interrupted) => {

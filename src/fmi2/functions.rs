@@ -10,6 +10,7 @@ use crate::component::ModelKind;
 use crate::fmi::access::none_of_type;
 use crate::fmi::array::{input, output, text};
 use crate::fmi::exchange::served;
+use crate::fmi::instance::Parts;
 use crate::fmi::logger::{Logger, Sink};
 use crate::fmi::phase::{
     ALIVE, CONTINUOUS, EVENT, FAILED, FATAL, Function, INITIALIZATION, INSTANTIATED, Phase, SETTABLE, STEP, STEPPED,
@@ -263,7 +264,8 @@ exported! {
     ///
     /// `fmi2Discard`: the step reached `solver.max_steps` before its end (4.2.2). The state is that at
     /// `fmi2LastSuccessfulTime`, and values can be read. To continue, restore an earlier state or reset the instance.
-    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => often |i| i.do_step(point, h, &mut 0);
+    fn fmi2DoStep(point: Real, h: Real, _no_set_state_prior: Boolean) in STEP => often |i|
+        i.do_step(point, h, &mut Parts::at_most(0));
 
     /// Always an error: steps are synchronous, so there is no step to cancel.
     fn fmi2CancelStep() in ALIVE => |_i|

@@ -4,7 +4,7 @@
 use super::types::{Boolean, Environment, FALSE, Instance as Component, IntermediateUpdateCallback, Status, TRUE};
 use crate::fmi::array::output;
 use crate::fmi::handle;
-use crate::fmi::instance::{Instance, IntermediateUpdate};
+use crate::fmi::instance::{Instance, IntermediateUpdate, Parts};
 use crate::fmi::phase::{Function, INSTANTIATED, INTERMEDIATE, Phase, STEP};
 use crate::fmi::refusal::{Refusal, Verdict};
 use std::rc::Rc;
@@ -42,28 +42,27 @@ pub unsafe extern "C" fn fmi3DoStep(
 ) -> Status {
     const FUNCTION: Function = Function::new("fmi3DoStep", STEP);
     let answers = Answers { event_needed, terminate, early_return, last };
-    let (mut pauses_left, mut has_paused) = (MOST_UPDATES, false);
+    let mut parts = Parts::at_most(MOST_UPDATES);
     let step = |i: &mut Instance| {
         // SAFETY: each pointer points to memory for one value (4.2.2).
         unsafe {
             if !answers.are_valid() {
                 return answers.refuse();
             }
-            let stepped = i.do_step(point, h, &mut pauses_left);
-            // Fast path: a step to its end.
-            if stepped.is_ok() && i.phase == Phase::Step && !i.awaits_event {
-                answers.write(false, false, i.clock.time);
-            } else {
-                has_paused = answers.write_end(i, is_done(&stepped), point + h);
+            let stepped = i.do_step(point, h, &mut parts);
+            match parts.goal {
+                // Fast path: a step to its end.
+                None => answers.write(false, false, i.clock.time),
+                Some(goal) => _ = answers.write_end(i, true, goal),
             }
             stepped
         }
     };
     // SAFETY: the instance is valid (FMI 3.0.2, 2.2.1).
     let verdict = unsafe { handle::call(c, &FUNCTION, step) };
-    if has_paused {
+    if parts.pauses_left < MOST_UPDATES {
         // SAFETY: as above.
-        return unsafe { continue_step(c, point + h, pauses_left, answers) };
+        return unsafe { continue_step(c, parts, answers) };
     }
     verdict.into()
 }
@@ -117,34 +116,30 @@ impl Answers {
         }
     }
 
-    /// Writes the results of a step towards the time `end` [s]. Returns whether the step has paused after an internal
-    /// step.
+    /// Writes the results of a step towards the time `goal` [s] that has paused before. Returns whether the step has
+    /// paused after an internal step.
     ///
     /// # Safety
     /// As for [`Self::write`].
     #[cold]
-    unsafe fn write_end(self, i: &Instance, is_done: bool, end: f64) -> bool {
+    unsafe fn write_end(self, i: &Instance, is_done: bool, goal: f64) -> bool {
         let has_paused = is_done && i.phase == Phase::Intermediate;
         // SAFETY: guaranteed by the caller.
         unsafe {
-            self.write(is_done && i.awaits_event, is_done && !has_paused && i.clock.time < end, i.clock.time);
+            self.write(is_done && i.awaits_event, is_done && !has_paused && i.clock.time < goal, i.clock.time);
         }
         has_paused
     }
 }
 
-/// Whether a step was made, with or without a warning.
-fn is_done(stepped: &Result<(), Refusal>) -> bool {
-    stepped.as_ref().map_or_else(|refusal| refusal.verdict == Verdict::Warning, |()| true)
-}
-
-/// The parts of a step after the first part, up to the time `goal` [s]. The host's callback is called before each part.
+/// The parts of a step after the first part. The host's callback is called before each part.
 ///
 /// # Safety
 /// As for [`fmi3DoStep`]. The pointers in `answers` are checked.
 #[cold]
-unsafe fn continue_step(c: Component, goal: f64, mut pauses_left: u64, answers: Answers) -> Status {
+unsafe fn continue_step(c: Component, mut parts: Parts, answers: Answers) -> Status {
     const FUNCTION: Function = Function::new("fmi3DoStep", INTERMEDIATE);
+    let goal = parts.goal.unwrap_or_default();
     let (mut end, mut warned) = (goal, false);
     loop {
         let mut pause = None;
@@ -162,8 +157,8 @@ unsafe fn continue_step(c: Component, goal: f64, mut pauses_left: u64, answers: 
             i.phase = Phase::Step;
             end = requested.map_or(end, |stop| end.min(stop.max(from)));
             // No part remains if the callback ended the step.
-            let stepped = if end > from { i.do_step(from, end - from, &mut pauses_left) } else { Ok(()) };
-            let is_done = is_done(&stepped);
+            let stepped = if end > from { i.do_step(from, end - from, &mut parts) } else { Ok(()) };
+            let is_done = stepped.as_ref().map_or_else(|refusal| refusal.verdict == Verdict::Warning, |()| true);
             if is_done && i.phase == Phase::Step && !i.awaits_event {
                 i.clock.time = end;
             }

@@ -305,7 +305,8 @@ impl Model {
     // An FMU has one caller, but LLVM does not see that: the function could be called from another crate.
     #[inline(always)]
     pub fn step_to_pause(&mut self, point: Option<f64>, h: f64, pauses: Pauses) -> Result<Reached, ModelError> {
-        if !(h > 0.0 && h < f64::INFINITY) {
+        // A comparison with infinity would take more instructions.
+        if !(h > 0.0 && h <= f64::MAX) {
             return Err(ModelError::StepSize { h });
         }
         if self.inputs.signal.ahead {
@@ -326,22 +327,16 @@ impl Model {
             }
             Formulation::RigidFem(motion) => motion.step(reduced, &self.inputs, h, solver).map(|()| Reached::End),
         };
-        let moves = reduced.loading().motion.as_ref().filter(|_| self.inputs.prescribes());
-        let time = match stepped {
-            Ok(reached) => Some(reached.time(h)),
-            Err(ModelError::Interrupted { time, .. }) => Some(time),
-            Err(_) => None,
+        let reached = match stepped {
+            Ok(reached) => reached,
+            Err(error) => {
+                if let ModelError::Interrupted { time, .. } = error {
+                    self.pass(h, time);
+                }
+                return Err(error);
+            }
         };
-        if let Some(time) = time {
-            if h >= SHORTEST && self.untuned.is_some() {
-                self.untuned = None;
-            }
-            if let Some(drive) = moves {
-                self.inputs.move_on(drive, time);
-            }
-            self.inputs.leave(time);
-        }
-        let reached = stepped?;
+        self.pass(h, reached.time(h));
         if let Some(command) = clipped {
             self.clipped.raise(command);
         }
@@ -350,6 +345,19 @@ impl Model {
             self.watch_accumulators();
         }
         Ok(reached)
+    }
+
+    /// A part of a step of `h` [s] has been made, up to a time [s] of the step.
+    #[inline(always)]
+    fn pass(&mut self, h: f64, time: f64) {
+        if h >= SHORTEST && self.untuned.is_some() {
+            self.untuned = None;
+        }
+        let motion = self.reduced.as_ref().and_then(|reduced| reduced.loading().motion.as_ref());
+        if let Some(drive) = motion.filter(|_| self.inputs.prescribes()) {
+            self.inputs.move_on(drive, time);
+        }
+        self.inputs.leave(time);
     }
 
     /// Back to what [`Self::from_json`] gave.

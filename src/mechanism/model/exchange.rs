@@ -212,7 +212,7 @@ impl Model {
             return Err(ModelError::NotInitialised.into());
         };
         let speed = motion.state.sigma_dot;
-        match motion.read(reduced, &self.inputs, |view| view.forces()) {
+        match motion.read(reduced, &self.inputs, |view| view.forces().copied()) {
             Ok(forces) if forces.held.is_some() => Ok([0.0; 2]),
             Ok(forces) if forces.acceleration.is_finite() => Ok([speed, forces.acceleration]),
             other => Err(self.no_derivatives(other.map(|forces| forces.acceleration))),

@@ -293,7 +293,7 @@ impl Model {
 /// energy over the size of the mechanism.
 fn rounding(motion: &mut ReducedMotion, reduced: &Reduced, inputs: &Inputs) -> f64 {
     let (scale, size, kinetic) = (reduced.scale(), reduced.linkage().size, motion.state.kinetic());
-    let acceleration = motion.read(reduced, inputs, |view| view.forces()).map(|forces| forces.free);
+    let acceleration = motion.read(reduced, inputs, |view| view.forces().map(|forces| forces.free));
     ROUNDING * acceleration.map_or(0.0, |acceleration| (acceleration.abs() * scale + kinetic) / size)
 }
 

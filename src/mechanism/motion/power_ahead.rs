@@ -19,7 +19,7 @@ pub struct PowerAhead {
     /// Length of the next time beyond a step to be tried [s].
     pub next: f64,
     /// Time from its beginning to the present [s].
-    now: f64,
+    pub now: f64,
     /// Whether the mechanism is at rest until its end.
     pub is_at_rest: bool,
 }
@@ -43,16 +43,23 @@ impl PowerAhead {
     /// Go on by a time [s], at most the rest; returns the energy lost in it [J].
     #[inline]
     pub fn read(&mut self, after: f64) -> f64 {
-        let before = self.lost();
-        // The sum may be beyond the end by rounding.
-        self.now = (self.now + after).min(self.width);
-        self.lost() - before
+        let [now, lost] = self.after(after);
+        self.now = now;
+        lost
     }
 
-    /// Energy lost from the middle of the time to the present [J].
+    /// What [`Self::now`] is after a time [s], at most the rest, and the energy lost in this time [J].
     #[inline]
-    fn lost(&self) -> f64 {
-        let x = 2.0 * (self.now / self.width) - 1.0;
+    pub fn after(&self, time: f64) -> [f64; 2] {
+        // The sum may be beyond the end by rounding.
+        let now = (self.now + time).min(self.width);
+        [now, self.lost(now) - self.lost(self.now)]
+    }
+
+    /// Energy lost from the middle of the time to `now` [J].
+    #[inline]
+    fn lost(&self, now: f64) -> f64 {
+        let x = 2.0 * (now / self.width) - 1.0;
         self.energy.iter().rev().fold(0.0, |sum, c| (sum + c) * x)
     }
 

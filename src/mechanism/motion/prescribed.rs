@@ -73,6 +73,8 @@ pub struct Track<'a> {
     /// Whole revolutions before sigma = 0.
     pub revolutions: f64,
     pub ends: &'a Ends<'a>,
+    /// Panel in which the search for that of a sigma starts.
+    pub panel: usize,
 }
 
 impl Track<'_> {
@@ -84,7 +86,7 @@ impl Track<'_> {
         let (within, more) = self.whole.unwound(sigma);
         let failed = Missed::Curve(sigma);
         let stretch = self.whole.reach(within).map_err(|_| failed)?;
-        let (table, position) = stretch.displacement_around(self.load, within).map_err(|_| failed)?;
+        let (table, position) = stretch.displacement_near(self.load, within, self.panel).map_err(|_| failed)?;
         let [s, slope, curvature] = [0, 1, 2].map(|order| table.value(position, order));
         let revolutions = self.revolutions + more;
         let grown = if revolutions == 0.0 { 0.0 } else { revolutions * self.whole.load_growth(self.load) };

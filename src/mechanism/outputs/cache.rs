@@ -18,7 +18,7 @@ use crate::numerics::dual::{Differentiable, Number};
 pub struct OutputCache<N: Differentiable> {
     /// Direction of the derivatives that N carries.
     pub direction: Direction<N>,
-    /// Forces and acceleration, if they are known in this state. A reader copies only the fields that it uses.
+    /// Forces and acceleration, if they are known in this state.
     pub forces: Forces<N>,
     pub knows_forces: bool,
     /// Number of the state and the inputs: each change of them has another one.

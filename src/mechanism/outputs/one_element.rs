@@ -15,9 +15,9 @@ const NO_LIMIT: f64 = 1e30;
 impl<N: Reading> View<'_, N> {
     /// A term of the mechanism reduced to a drive. With S the drive's displacement, m_zS = 1 / S_sigma^2, because the
     /// reduced inertia along sigma is 1. At a dead centre, S_sigma = 0, the largest number stands for an infinite term.
-    pub fn drive_term(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
+    pub fn drive_term(&mut self, drive: usize, term: &OneElement) -> Result<N, OutputError> {
         if let OneElement::LowerLimit | OneElement::UpperLimit = term {
-            return self.limit(drive, term == OneElement::UpperLimit).map(N::constant);
+            return self.limit(drive, *term == OneElement::UpperLimit).map(N::constant);
         }
         let loading = self.reduced.loading();
         let [slope, curvature] = self.slopes_of(drive)?;
@@ -28,7 +28,7 @@ impl<N: Reading> View<'_, N> {
             Some(_) => self.acting(drive, speed)?.force.value() * speed.value(),
             None => 0.0,
         };
-        let value = match term {
+        let value = match *term {
             OneElement::OfBody(body, part) => {
                 let value = self.of_body(drive, body, part)?;
                 if let BodyPart::ReducedMass | BodyPart::StaticLoad = part {
@@ -64,7 +64,7 @@ impl<N: Reading> View<'_, N> {
                 if none { zero } else { rises / (slope * slope) }
             }
             OneElement::BreakawayForward | OneElement::BreakawayBackward => {
-                let forward = if term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
+                let forward = if *term == OneElement::BreakawayForward { 1.0 } else { -1.0 };
                 let direction = forward * slope.value().signum();
                 let force = self.required(drive, N::constant(0.0), direction, Some(direction))? / slope;
                 with_efficiency(force.value() * forward, force)
@@ -165,7 +165,7 @@ impl<N: Reading> View<'_, N> {
     pub fn self_locking(&mut self, drive: usize) -> bool {
         [OneElement::RequiredForce, OneElement::BreakawayForward, OneElement::BreakawayBackward]
             .into_iter()
-            .any(|term| matches!(self.drive_term(drive, term), Err(OutputError::SelfLocking(_))))
+            .any(|term| matches!(self.drive_term(drive, &term), Err(OutputError::SelfLocking(_))))
     }
 
     /// Force along sigma of all loads but one drive, at rest, without friction and losses.

@@ -3,7 +3,9 @@
 //! In: its reaction to each load of unit size, the sizes of the loads. Out: force x, force y, moment. It must not know
 //! how the sizes are found.
 use crate::mechanism::loads::resolved::Mesh;
-use crate::mechanism::outputs::cache::{GroupReactions, GroupValues, MOST_TERMS, OutputCache, PARTS, PresentLoads};
+use crate::mechanism::outputs::cache::{
+    GroupReactions, GroupValues, MOST_TERMS, OutputCache, PARTS, PresentLoads, Shares,
+};
 use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, finite, spring_force};
 use crate::mechanism::outputs::terms::{Causes, joints_of, parts_of};
 use crate::mechanism::outputs::view::{Reading, View};
@@ -116,43 +118,44 @@ impl<'a, N: Reading> View<'a, N> {
         if self.cache.shares.version == version {
             return Ok(());
         }
-        let (forces, sigma_dot) = (self.forces()?, self.sigma_dot());
-        let mut given = std::mem::take(&mut self.cache.shares.given);
+        let (acceleration, sigma_dot) = (self.forces()?.acceleration, self.sigma_dot());
+        let (causes, loading) = (self.causes(), self.reduced.loading());
+        let given = &mut self.cache.shares.given;
         given.clear();
-        given.push(forces.acceleration);
+        given.push(acceleration);
         given.push(sigma_dot * sigma_dot);
-        given.extend(self.causes().decided().iter().map(|&load| self.delivered(load)));
-        let loading = self.reduced.loading();
-        for &spring in self.reduced.active_springs() {
-            given.push(-spring_force(self, loading, spring)?);
+        for &load in causes.decided() {
+            let force = self.delivered(load);
+            self.cache.shares.given.push(force);
         }
+        for &spring in self.reduced.active_springs() {
+            let force = spring_force(self, loading, spring)?;
+            self.cache.shares.given.push(-force);
+        }
+        causes.find_acting(self.loads);
+        let PresentLoads { sizes, acting, .. } = &*self.loads;
+        let OutputCache { shares: Shares { given, state, acts, version: of }, scratch, .. } = &mut *self.cache;
         if self.reduced.sums_springs() {
             given.push(N::constant(1.0));
         }
         // The polynomials have the values of the inputs, without their derivatives.
-        self.causes().find_acting(self.loads);
-        let PresentLoads { sizes, acting, .. } = &*self.loads;
         match acting.len() {
-            0..=MOST_TERMS => given.extend(acting.iter().map(|load| N::constant(sizes[*load]))),
+            0..=MOST_TERMS => acting.iter().for_each(|load| given.push(N::constant(sizes[*load]))),
             _ => given.push(N::constant(1.0)),
         }
-        let shares = &mut self.cache.shares;
-        (shares.given, shares.version) = (given, version);
-        shares.state.clear();
-        shares.state.extend_from_slice(&self.cache.scratch.evaluator.loads);
-        if let Some(state_loads) = self.state_loads() {
+        state.clear();
+        state.extend_from_slice(&scratch.evaluator.loads);
+        if let Some(state_loads) = causes.state_loads {
             // Their whole force is among those of springs.
-            let springs = state_loads.spring(0)..state_loads.free();
-            self.cache.shares.state[springs].fill(N::constant(0.0));
+            state[state_loads.spring(0)..state_loads.free()].fill(N::constant(0.0));
             // The forces that push teeth apart are those of the transmitted forces, which may be means at rest.
             for mesh in &loading.meshes {
                 if let Some(teeth) = state_loads.loads.iter().position(|load| mesh.loads.contains(load)) {
-                    self.cache.shares.state[teeth] = N::constant(0.0);
+                    state[teeth] = N::constant(0.0);
                 }
             }
         }
-        let shares = &mut self.cache.shares;
-        shares.acts = !shares.state.iter().all(|size| size.value() == 0.0 && size.is_constant());
+        (*acts, *of) = (!state.iter().all(|size| size.value() == 0.0 && size.is_constant()), version);
         Ok(())
     }
 
@@ -274,7 +277,7 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// Add the reaction to what holds the mechanism at rest: a rigid stop, or locks.
     fn add_held(&mut self, joint: usize, value: &mut [N]) -> Result<(), OutputError> {
-        let (reduced, forces) = (self.reduced, self.forces()?);
+        let (reduced, forces) = (self.reduced, *self.forces()?);
         let Some(place) = forces.held else { return Ok(()) };
         let loading = reduced.loading();
         if let Some(end) = self.state.travel.rigid[place.side].filter(|_| forces.by_stop) {

@@ -347,7 +347,7 @@ impl ReducedMotion {
     /// [`OutputError`].
     pub fn derivatives_of_motion(&mut self, reduced: &Reduced, inputs: &Inputs) -> Result<[f64; 2], OutputError> {
         let Some(mut view) = self.sensitive_view(reduced, inputs) else { return Ok([0.0; 2]) };
-        let forces = view.forces()?;
+        let forces = *view.forces()?;
         let speed = if forces.held.is_some() { 0.0 } else { view.sigma_dot().slope[0] };
         Ok([speed, forces.acceleration.slope[0]])
     }

@@ -97,7 +97,7 @@ impl Reading for Dual<1> {
     fn forces(view: &mut View<Self>) -> Result<Forces<Self>, OutputError> {
         let View { reduced, inputs, state, .. } = *view;
         let (cache, loads) = (&mut *view.values, &mut *view.loads);
-        let values = View { reduced, inputs, state, loads, cache, values: () }.forces()?;
+        let values = *View { reduced, inputs, state, loads, cache, values: () }.forces()?;
         let (sigma, sigma_dot) = (view.sigma(), view.sigma_dot());
         let mut motion = view.equation()?;
         let mut free = match values.surface {
@@ -192,11 +192,11 @@ impl<'a, N: Reading> View<'a, N> {
 
     /// Forces and acceleration; evaluated once for a state.
     #[inline]
-    pub fn forces(&mut self) -> Result<Forces<N>, OutputError> {
+    pub fn forces(&mut self) -> Result<&Forces<N>, OutputError> {
         if !self.cache.knows_forces {
             self.find_forces()?;
         }
-        Ok(self.cache.forces)
+        Ok(&self.cache.forces)
     }
 
     #[inline(never)]
@@ -354,7 +354,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     }
 
     fn stop_force(&mut self, stop: usize) -> Result<N, OutputError> {
-        let Forces { free, held, by_stop, .. } = self.forces()?;
+        let Forces { free, held, by_stop, .. } = *self.forces()?;
         let end = held.filter(|_| by_stop).and_then(|place| self.state.travel.rigid[place.side]);
         if end.is_none_or(|end| end.stop != stop) {
             return Ok(N::constant(0.0));
@@ -371,7 +371,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     }
 
     fn lock_force(&mut self, lock: usize) -> Result<N, OutputError> {
-        let Forces { free, held, by_stop, .. } = self.forces()?;
+        let Forces { free, held, by_stop, .. } = *self.forces()?;
         let all = &self.reduced.loading().locks;
         let (reduced, inputs, state) = (self.reduced, self.inputs, self.state);
         let engages = |lock: usize| {
@@ -398,7 +398,7 @@ impl<N: Reading> Kinematics<N> for View<'_, N> {
     }
 
     fn one_element(&mut self, drive: usize, term: OneElement) -> Result<N, OutputError> {
-        self.drive_term(drive, term)
+        self.drive_term(drive, &term)
     }
 
     #[inline]

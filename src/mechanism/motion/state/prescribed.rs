@@ -170,7 +170,7 @@ impl State {
         let (Applied { sizes, airspeed, air, .. }, revolutions) = (&saved.applied, saved.revolutions);
         let (airspeed, air, touching) = (*airspeed, *air, BumperSet::EMPTY);
         let ends = &Ends::new(&saved.travel, shift(reduced, revolutions), locked);
-        let track = Track { whole: reduced, load: drive.load, revolutions, ends };
+        let track = Track { whole: reduced, load: drive.load, revolutions, ends, panel: scratch.panel_force.panel() };
         let step = Step { track, motion, inputs, drive };
         let found = step.place(0.0, saved.sigma).map_err(|trouble| step.error(trouble))?;
         let is_begun = !before.is_active && !at_start;
@@ -298,24 +298,28 @@ impl State {
             return false;
         };
         let locked = self.applied.locked;
-        let Some(PrescribedState { origin, time, ahead: Some(mut power), .. }) = self.saved.prescribed else {
+        let Some(PrescribedState { origin, time, ahead: Some(power), .. }) = &self.saved.prescribed else {
             return false;
         };
-        let Some(motion) = Prescribed::new(drive, inputs, origin, time.parts()) else { return false };
+        let Some(motion) = Prescribed::new(drive, inputs, *origin, time.parts()) else { return false };
         let ends = &Ends::new(&self.saved.travel, shift(reduced, self.revolutions), locked);
         if h >= power.rest() || power.is_at_rest || locked != EngagedLocks::default() || ends.bumpers() > 0 {
             return false;
         }
-        let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends };
+        let panel = self.scratch.panel_force.panel();
+        let track = Track { whole: reduced, load: drive.load, revolutions: self.revolutions, ends, panel };
         let step = Step { track, motion, inputs, drive };
         let Some(y) = step.place_ahead(h, [self.sigma, self.sigma_dot], h) else { return false };
-        if self.arrive_at(reduced, y, power.read(h), 0.0).is_err() {
+        let [now, lost] = power.after(h);
+        if self.arrive_at(reduced, y, lost, 0.0).is_err() {
             return false;
         }
-        if let Some(prescribed) = &mut self.saved.prescribed {
-            prescribed.time.pass(h);
-            prescribed.given = inputs.given(drive).map_or(prescribed.given, |given| end_of(given, h));
-            prescribed.ahead = Some(power);
+        if let Some(PrescribedState { time, given: placed, ahead: Some(power), .. }) = &mut self.saved.prescribed {
+            time.pass(h);
+            power.now = now;
+            if let Some(given) = inputs.given(drive) {
+                *placed = end_of(given, h);
+            }
         }
         true
     }
@@ -342,7 +346,8 @@ impl State {
         let Self { saved, scratch, rates, .. } = self;
         let saved = &mut **saved;
         let ends = &Ends::new(&saved.travel, shift(reduced, saved.revolutions), locked);
-        let track = Track { whole: reduced, load: drive.load, revolutions: saved.revolutions, ends };
+        let panel = scratch.panel_force.panel();
+        let track = Track { whole: reduced, load: drive.load, revolutions: saved.revolutions, ends, panel };
         let step = Step { track, motion, inputs, drive };
         let (Applied { sizes, airspeed, air, .. }, revolutions) = (&saved.applied, saved.revolutions);
         let (airspeed, air, touching) = (*airspeed, *air, arrival.contact.touching());

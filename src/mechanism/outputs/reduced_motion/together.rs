@@ -2,7 +2,7 @@
 //!
 //! In: a view of the state. Out: values, NaN where an output has none. It must not know references.
 use crate::mechanism::loads::resolved::Loading;
-use crate::mechanism::outputs::evaluator::{OutputError, evaluate, part_of};
+use crate::mechanism::outputs::evaluator::{Kinematics, OutputError, evaluate, part_of};
 use crate::mechanism::outputs::tabulated::function_of;
 use crate::mechanism::outputs::view::View;
 use crate::mechanism::quantity::{OneElement, Output, ReactionPart};
@@ -17,8 +17,7 @@ pub struct Together {
     rates: Vec<Rate>,
     /// Whether one of the rates is of order 2.
     accelerates: bool,
-    /// The reactions: index of the output, joint, part.
-    reactions: Vec<(usize, usize, ReactionPart)>,
+    reactions: Vec<JointParts>,
     /// The terms of drives: index of the output, drive, term.
     terms: Vec<(usize, usize, OneElement)>,
     /// The other outputs, each with its index.
@@ -33,6 +32,19 @@ struct Rate {
     function: usize,
     order: usize,
 }
+
+/// Parts of the reaction of a joint.
+#[derive(Clone, Copy, Debug)]
+struct JointParts {
+    joint: usize,
+    /// Index of the output that is each of [`PARTS`]; [`NONE`] where none is.
+    indices: [usize; PARTS.len()],
+}
+
+/// All parts, in the order of their numbers.
+const PARTS: [ReactionPart; 4] = [ReactionPart::X, ReactionPart::Y, ReactionPart::Magnitude, ReactionPart::Moment];
+/// Index of no output.
+const NONE: usize = usize::MAX;
 
 impl Together {
     /// Make room for so many outputs in all.
@@ -77,7 +89,17 @@ impl Together {
                     rates.push(Rate { index, function, order });
                     *accelerates |= order == 2;
                 }
-                (Output::Reaction { joint, part }, _) => reactions.push((index, joint, part)),
+                (Output::Reaction { joint, part }, _) => {
+                    let part = part as usize;
+                    match reactions.iter_mut().find(|own| own.joint == joint && own.indices[part] == NONE) {
+                        Some(own) => own.indices[part] = index,
+                        None => {
+                            let mut indices = [NONE; PARTS.len()];
+                            indices[part] = index;
+                            reactions.push(JointParts { joint, indices });
+                        }
+                    }
+                }
                 (Output::OneElement { drive, term }, _) => terms.push((index, drive, term)),
                 _ => others.push((index, *output)),
             }
@@ -113,7 +135,7 @@ impl<'a> Outputs<'a> {
         }
         let speed = view.sigma_dot();
         let acceleration = match together.accelerates {
-            true => view.forces().map_or(f64::NAN, |forces| forces.acceleration),
+            true => view.forces().map_or_else(without_value, |forces| forces.acceleration),
             false => 0.0,
         };
         // The place of a value is found before the value, which takes fewer instructions.
@@ -123,17 +145,15 @@ impl<'a> Outputs<'a> {
             let second = slope * acceleration + curvature * speed * speed;
             *value = if order == 1 { slope * speed } else { second };
         }
-        for &(index, joint, part) in &together.reactions {
-            let Some(value) = values.get_mut(index) else { continue };
-            if view.cache.reactions[joint].0 != view.cache.version
-                && let Err(reason) = view.find_reaction(joint)
-            {
-                *value = without_value(reason);
-                continue;
+        for &JointParts { joint, indices } in &together.reactions {
+            let reaction = view.reaction(joint).unwrap_or_else(|reason| [without_value(reason); 3]);
+            for (index, part) in indices.into_iter().zip(PARTS) {
+                if let Some(value) = values.get_mut(index) {
+                    *value = part_of(reaction, part);
+                }
             }
-            *value = part_of(view.cache.reactions[joint].1, part);
         }
-        for &(index, drive, term) in &together.terms {
+        for &(index, drive, ref term) in &together.terms {
             let Some(value) = values.get_mut(index) else { continue };
             *value = view.drive_term(drive, term).unwrap_or_else(without_value);
         }
