@@ -98,7 +98,8 @@ fn a_spindle_between_two_moving_bodies_obeys_newton() {
     let text = changed(SLIDER_CRANK, |m| {
         m["springs"] = json!({});
         m["actuators"] = json!({ "spindle": {
-            "first": "crank.middle", "second": "slider.origin", "torque": 0.02, "screw": { "lead": 0.1, "inertia": 2e-4 },
+            "first": "crank.middle", "second": "slider.origin", "torque": 0.02,
+            "screw": { "lead": 0.1, "inertia": 2e-4 },
         } });
         m["start"]["angle"] = json!(0.7);
     });

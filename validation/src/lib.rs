@@ -33,7 +33,7 @@ mod versions;
 use fmu_build::package;
 use fmu_build::workspace::Workspace;
 use measure::Pages;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Run the benchmarks named on the command line.
 ///
@@ -59,6 +59,7 @@ pub fn run(arguments: &[&str]) -> Result<(), String> {
         &[instructions::REPEAT, scene, reads, steps, repetitions] => {
             instructions::repeat(&descriptions, [scene, reads, steps, repetitions])
         }
+        &[instructions::REPEAT, setup::FIRST, file, folder] => setup::first(Path::new(file), Path::new(folder)),
         &[instructions::REPEAT, hydraulics::NETWORK, runs] => hydraulics::repeat(&descriptions, runs),
         &[versions::CALLS, version, call, repetitions] => {
             versions::repeat(&descriptions.join("LandingGearRetraction"), [version, call, repetitions])
@@ -116,13 +117,7 @@ fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
         return Err(format!("cosim {word}: no such word; `circuit` and `--write` are"));
     }
     let workspace = Workspace::locate();
-    let open = |name: &str| -> Result<_, String> {
-        let paths = vec![workspace.descriptions().join(name)];
-        let arguments = package::Arguments { paths, ..package::Arguments::of_fmi_2() };
-        let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
-        let file = files.first().ok_or("nothing was packed")?;
-        cosim::fmus::Fmu::open(file, &workspace.target("cosim").join(name))
-    };
+    let open = |name: &str| cosim::fmus::Fmu::open(&pack(name)?, &workspace.target("cosim").join(name));
     let hydraulic = if words.contains(&"circuit") { None } else { Some(open("HydraulicActuator")?) };
     let pages = cosim::table(&cosim::scenes::Fmus { gear: open("LandingGearRetraction")?, hydraulic })?;
     if words.contains(&"--write") {
@@ -130,6 +125,15 @@ fn couple(results: &Path, words: &[&str]) -> Result<(), String> {
     }
     print!("{}", pages.page);
     Ok(())
+}
+
+/// The packed FMU of a description folder.
+fn pack(name: &str) -> Result<PathBuf, String> {
+    let workspace = Workspace::locate();
+    let paths = vec![workspace.descriptions().join(name)];
+    let arguments = package::Arguments { paths, ..package::Arguments::of_fmi_2() };
+    let files = package::run(&workspace, &arguments).map_err(|e| format!("{e:#}"))?;
+    files.into_iter().next().ok_or_else(|| "nothing was packed".to_owned())
 }
 
 fn publish(results: &Path, name: &str, pages: &Pages) -> Result<(), String> {

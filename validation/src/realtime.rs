@@ -7,8 +7,8 @@ use linkage_fmu::variables::{Causality, Kind, Reference, Variable};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-/// Number of new instances of which the fastest counts for each step: in the default experiment, and in many experiments
-/// with other inputs.
+/// Number of new instances of which the fastest counts for each step: in the default experiment, and in many
+/// experiments with other inputs.
 const RUNS: [usize; 2] = [10, 2];
 /// Number of steps of the many experiments together.
 const STEPS: usize = 1_000_000;

@@ -1,7 +1,9 @@
 //! Set-up: the time to read a mechanism, trace its curve and build the tables for a first step, the time after a
-//! parameter change, and that of an instance's whole life through the C functions.
+//! parameter change, of the whole life of an instance through the C functions, and of the first calls in a process.
+use crate::cosim::fmus::first_calls;
 use crate::gear::{Gear, LAST, live};
-use crate::measure::{self, Pages, heading, timed};
+use crate::instructions::REPEAT;
+use crate::measure::{self, Pages, digits, heading, timed};
 use crate::scene::{DEFAULT, SCENES, SPAN};
 use fmu_build::chain;
 use fmu_build::workspace::{MECHANISM, Workspace};
@@ -15,10 +17,14 @@ use linkage_fmu::mechanism::{Model, ModelError};
 use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 /// Numbers of runs, of which the fastest counts, in general and for the longest mechanism.
 const RUNS: usize = 100;
 const LONG_RUNS: usize = 10;
+/// Word of this program's command line for the first calls in a process, and the number of processes.
+pub const FIRST: &str = "first";
+const PROCESSES: usize = 50;
 /// Tolerance of runs after fmi2Reset.
 const TOLERANCE: f64 = 1e-9;
 
@@ -39,6 +45,7 @@ pub fn table(descriptions: &Path) -> Result<Pages, String> {
     changes(&mut page, descriptions)?;
     resets(&mut page, &gear)?;
     life(&mut page, &gear)?;
+    fresh(&mut page)?;
     Ok(Pages { page, csv: String::new() })
 }
 
@@ -159,18 +166,23 @@ fn resets(out: &mut String, folder: &Path) -> Result<(), String> {
 /// Time of an instance's whole life through the C functions, with and without the FMU's stored tables.
 fn life(out: &mut String, folder: &Path) -> Result<(), String> {
     let text = measure::mechanism(folder)?;
-    let packed = TempDir::new("life")?;
-    let resources = packed.0.join("resources");
     let bytes = Component::from_definition(MECHANISM, &text).map_err(|e| e.0)?.tables(&text).unwrap_or_default();
-    let written = fs::create_dir_all(&resources)
-        .and_then(|()| fs::write(resources.join(MECHANISM), &text))
-        .and_then(|()| fs::write(resources.join(TABLES), &bytes));
-    written.map_err(|e| format!("{}: {e}", resources.display()))?;
     let size = bytes.len() / 1000;
     *out += &format!("\n{}", measure::page("life", &[("outputs", &LAST.len()), ("kilobytes", &size)]));
     *out += &heading(&["", "instantiate", "first reaction after the start", "whole life"]);
-    for (name, folder) in [("with tables", packed.0.as_path()), ("without", folder)] {
-        let description = Description::read(folder)?;
+    for (name, tables) in [("with tables", Some(&bytes)), ("without", None)] {
+        let packed = TempDir::new(name)?;
+        let resources = packed.0.join("resources");
+        let failed = |e| format!("{}: {e}", resources.display());
+        fs::create_dir_all(&resources).map_err(failed)?;
+        fs::write(resources.join(MECHANISM), &text).map_err(failed)?;
+        let description = Description::read(&packed.0)?;
+        // Instances of one text without tables share what was computed, also with the description.
+        match &tables {
+            Some(tables) => fs::write(resources.join(TABLES), tables),
+            None => fs::write(resources.join(MECHANISM), format!("{text} ")),
+        }
+        .map_err(failed)?;
         let [mut whole, mut instantiation, mut reaction] = [f64::INFINITY; 3];
         for _ in 0..RUNS {
             let host = timed(&mut instantiation, || description.instantiate(None, false))?;
@@ -184,6 +196,41 @@ fn life(out: &mut String, folder: &Path) -> Result<(), String> {
         let [instantiation, reaction, whole] = [instantiation, reaction, whole].map(|seconds| seconds * 1e6);
         let _ = writeln!(out, "| {name} | {instantiation:.0} | {reaction:.0} | {whole:.0} |");
     }
+    Ok(())
+}
+
+/// Least and median times of the first calls of the packed FMU in new processes.
+fn fresh(out: &mut String) -> Result<(), String> {
+    let (file, folder) = (crate::pack("LandingGearRetraction")?, TempDir::new("fresh")?);
+    let program = std::env::current_exe().map_err(|e| e.to_string())?;
+    let mut times: [Vec<f64>; 5] = Default::default();
+    for _ in 0..PROCESSES {
+        let done = Command::new(&program).args([REPEAT, FIRST]).args([&file, &folder.0]).output();
+        let done = done.map_err(|e| format!("{}: {e}", program.display()))?;
+        let text = String::from_utf8_lossy(&done.stdout);
+        let own: Vec<f64> = text.split_whitespace().filter_map(|number| number.parse().ok()).collect();
+        if own.len() != times.len() {
+            return Err(format!("first calls: {text}{}", String::from_utf8_lossy(&done.stderr)));
+        }
+        times.iter_mut().zip(own).for_each(|(all, time)| all.push(time));
+    }
+    *out += &format!("\n{}", measure::page("fresh", &[("processes", &PROCESSES)]));
+    *out += &heading(&["", "load", "instantiate", "initialise", "first step", "first four reactions"]);
+    times.iter_mut().for_each(|all| all.sort_by(f64::total_cmp));
+    for (name, at) in [("least", 0), ("median", PROCESSES / 2)] {
+        let row = times.each_ref().map(|all| digits(all[at]));
+        let _ = writeln!(out, "| {name} | {} |", row.join(" | "));
+    }
+    Ok(())
+}
+
+/// Prints the times of the first calls in this process [us].
+///
+/// # Errors
+/// As [`first_calls`].
+pub fn first(file: &Path, folder: &Path) -> Result<(), String> {
+    let reactions = ["joint1.force", "joint2.force", "joint3.force", "joint4.force"];
+    first_calls(file, folder, reactions)?.iter().for_each(|time| println!("{}", time * 1e6));
     Ok(())
 }
 

@@ -263,7 +263,7 @@ def ways(arguments: argparse.Namespace) -> Iterator[Way]:
     by_steps = Native(arguments, "--threads", "1")
     yield Way("`cargo fmu sweep`, one thread, by steps", by_steps, of(1000), of(1_000_000), 3)
     cluster = Native(arguments, "--workers", "2")
-    yield Way("`cargo fmu sweep --workers 2`: Dask and the FMU", cluster, of(1000), of(200_000), 3)
+    yield Way("`cargo fmu sweep --workers 2`: Dask and the FMU", cluster, of(1000), of(1_000_000), 3)
     yield Way("`fmpy.simulate_fmu` in a loop", in_a_loop(fmu), 2, of(40))
     yield Way("`fmpy.simulate_fmu`, instance kept", in_an_efficient_loop(fmu), of(20), of(2000))
     yield Way("FMPy and a bag of Dask", in_a_bag(fmu), of(100), of(200_000))

@@ -6,6 +6,7 @@
 use super::models::{Integrated, Mass, OilSpring};
 use super::pair::{Actuator, Element, Mechanism, Motion, Pair, Preview, Refused};
 use super::schemes;
+use crate::measure::timed;
 use linkage_fmu::fmi2::host::logger;
 use linkage_fmu::fmi2::importer::{Instance, Library, State};
 use linkage_fmu::fmi2::types::ValueReference;
@@ -15,7 +16,7 @@ use quick_xml::{Reader, XmlVersion};
 use std::collections::HashMap;
 use std::env::consts::{DLL_EXTENSION, OS};
 use std::fs::File;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// A loaded FMU.
@@ -25,12 +26,16 @@ pub struct Fmu {
     references: HashMap<String, ValueReference>,
 }
 
-impl Fmu {
-    /// Unpack an FMU into a folder and load it.
-    ///
-    /// # Errors
-    /// The file is no FMU for co-simulation on this platform, or cannot be unpacked.
-    pub fn open(file: &Path, folder: &Path) -> Result<Arc<Self>, String> {
+/// An unpacked FMU that is not loaded.
+struct Unpacked {
+    library: PathBuf,
+    guid: String,
+    resources: String,
+    references: HashMap<String, ValueReference>,
+}
+
+impl Unpacked {
+    fn of(file: &Path, folder: &Path) -> Result<Self, String> {
         let refused = |reason: String| format!("{}: {reason}", file.display());
         let archive = File::open(file).map_err(|e| refused(e.to_string()))?;
         let mut archive = zip::ZipArchive::new(archive).map_err(|e| refused(e.to_string()))?;
@@ -45,8 +50,43 @@ impl Fmu {
         let library = folder.join("binaries").join(platform).join(format!("{identifier}.{DLL_EXTENSION}"));
         let library = library.canonicalize().map_err(|e| refused(format!("{}: {e}", library.display())))?;
         let resources = folder.canonicalize().map_err(|e| refused(e.to_string()))?.join("resources");
-        let library = Library::open(library.as_os_str(), &guid, &format!("file://{}", resources.display()))?;
-        Ok(Arc::new(Self { library, references }))
+        Ok(Self { library, guid, resources: format!("file://{}", resources.display()), references })
+    }
+
+    fn load(self) -> Result<Arc<Fmu>, String> {
+        let library = Library::open(self.library.as_os_str(), &self.guid, &self.resources)?;
+        Ok(Arc::new(Fmu { library, references: self.references }))
+    }
+}
+
+/// Times [s] of the first calls in this process, for an instance with default values: loading of the library,
+/// instantiation, initialisation, a step of 1 ms, reading of four Reals.
+///
+/// # Errors
+/// As [`Fmu::open`], or a call that returns an error.
+pub fn first_calls(file: &Path, folder: &Path, outputs: [&str; 4]) -> Result<[f64; 5], String> {
+    let unpacked = Unpacked::of(file, folder)?;
+    let mut times = [f64::INFINITY; 5];
+    let [load, instantiate, initialize, step, read] = &mut times;
+    let fmu = timed(load, || unpacked.load())?;
+    let instance = timed(instantiate, || fmu.library.instantiate("first", Some(logger())))?;
+    timed(initialize, || instance.set_up(0.0, None).and_then(|()| instance.initialize()))?;
+    timed(step, || instance.step(0.0, 1e-3))?;
+    let mut references = [0; 4];
+    for (reference, name) in references.iter_mut().zip(outputs) {
+        *reference = fmu.find(name)?;
+    }
+    timed(read, || instance.reals(&references))?;
+    Ok(times)
+}
+
+impl Fmu {
+    /// Unpack an FMU into a folder and load it.
+    ///
+    /// # Errors
+    /// The file is no FMU for co-simulation on this platform, or cannot be unpacked.
+    pub fn open(file: &Path, folder: &Path) -> Result<Arc<Self>, String> {
+        Unpacked::of(file, folder)?.load()
     }
 
     fn find(&self, name: &str) -> Result<ValueReference, String> {
